@@ -114,7 +114,6 @@ TEST(Tangents, point_along_u_with_the_sign_of_the_map) {
 TEST(Tangents, are_averaged_by_angle_round_a_vertex_and_split_where_uv_are) {
     // Two squares in one plane, the second turned by 90 degrees in uv. Welded uv at the shared edge would average, split uv not.
     Mesh m = grid(2, 1, 1, 1);
-    for (size_t c = 6; c < 12; ++c) m.uv[c - 0] = m.uv[c];
     for (size_t t = 0; t < m.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
             const Vec3f p = m.positions[m.triangles[t][k]];

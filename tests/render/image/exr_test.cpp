@@ -144,7 +144,7 @@ TEST(Exr, every_truncation_and_flipped_header_bytes_are_errors_or_images_never_c
         EXPECT_FALSE(decode_exr(std::span(whole).first(n), error)) << n << " bytes of " << whole.size();
     }
     uint32_t random = 1;
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 150; ++i) {
         std::vector<uint8_t> bad = whole;
         for (int k = 0; k < 3; ++k) {
             random = random * 1664525u + 1013904223u;
@@ -158,7 +158,7 @@ TEST(Exr, limits_are_checked_before_pixels_are_allocated) {
     std::string error;
     const std::vector<uint8_t> bytes = encode_exr(picture(), {}, error);
     EXPECT_FALSE(decode_exr(bytes, error, {.side = 16}));
-    EXPECT_NE(error.find("20 x 50"), std::string::npos) << error;
+    EXPECT_NE(error.find("5 x 40"), std::string::npos) << error;
     EXPECT_FALSE(decode_exr(bytes, error, {.channels = 5}));
     EXPECT_FALSE(decode_exr(bytes, error, {.bytes = 1000}));
 }
