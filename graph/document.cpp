@@ -483,11 +483,19 @@ Statics make_statics(const DocNode& n) {
     s.enums.assign(count, 0);
     s.text.assign(count, "");
     s.linked.assign(count, false);
+    s.zero.assign(count, false);
+    s.at_default.assign(count, false);
     for (size_t i = 0; i < count; ++i) {
         const Param& p = n.type->params[i];
         const DocValue& v = n.params[i];
         s.linked[i] = v.kind == DocValue::Link || v.kind == DocValue::Attribute;
         const bool given = v.kind == DocValue::Constant;
+        if (const int n_channels = channels(p.type); n_channels > 0 && !s.linked[i]) {
+            const auto& number = given ? v.number : p.number;
+            const auto end = number.begin() + n_channels;
+            s.at_default[i] = !given || (!p.has_default_global && std::equal(number.begin(), end, p.number.begin()));
+            s.zero[i] = !(p.has_default_global && !given) && std::all_of(number.begin(), end, [](double x) { return x == 0; });
+        }
         if (p.type == Type::Enum) {
             s.enums[i] = v.item;
             if (!given)

@@ -101,6 +101,13 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         auto document = std::make_shared<Document>(*document_);
         auto changed = std::make_shared<DocNode>(*document->nodes[node]);
         changed->params[param] = v;
+        const Statics before = make_statics(*document_->nodes[node]), after = make_statics(*changed);
+        if (before.zero != after.zero || before.at_default != after.at_default) {
+            // lobes() and uses() may look at these: a change of structure. Compile on demand.
+            nlohmann::json j = this->document();
+            j["nodes"][parts[1]]["params"][parts[3]] = value;
+            return build_material(j, options_, d);
+        }
         check_node(*changed, options_.pointer_prefix + "/nodes/" + pointer_token(parts[1]), d);
         if (!d.ok()) return nullptr;
         document->nodes[node] = changed;
