@@ -48,6 +48,8 @@ enum class Global : uint8_t {
     Dpdu, Dpdv,      ///< position derivatives by u, v
     Dpdx, Dpdy,      ///< position change per pixel step in x, y
     Duvdx, Duvdy,    ///< uv change per pixel step
+    Dpodx, Dpody,    ///< object-space position change per pixel step
+    Dgendx, Dgendy,  ///< generated-coordinate change per pixel step
     Tangent,         ///< tangent of the active UV map, world space
     TangentSign,     ///< 1 channel
     TangentObject,   ///< the same tangent as stored: object space
@@ -148,7 +150,12 @@ struct Statics {
     std::vector<LobeSpec> lobes;        ///< closure nodes: the static lobe set
     std::vector<int> lobe_offset;       ///< first output channel of each lobe
     std::shared_ptr<const Prepared> prepared;
+    /// Numeric parameters: constant and 0 in every channel; unlinked and at the default. lobes() and uses() may rely on them:
+    /// a constant that moves across either is a change of structure. Short or empty = not known.
+    std::vector<bool> zero, at_default;
     int e(int param) const { return enums[param]; }
+    bool is_zero(int param) const { return static_cast<size_t>(param) < zero.size() && zero[param]; }
+    bool is_default(int param) const { return static_cast<size_t>(param) < at_default.size() && at_default[param]; }
 };
 
 /// One channel of an operand: stride 1 = one value a point, stride 0 = the same for all (then at least 16 copies lie at p).
@@ -210,6 +217,8 @@ struct NodeType {
     std::vector<Output> outputs;
     std::vector<Global> globals;  ///< read by the kernel, appended after the parameters' channels
     Kernel kernel;
+    /// Closure nodes: AOV names that carry a parameter's value ("id_1" -> id1), blended like the closure itself.
+    std::vector<std::pair<std::string, int>> closure_aovs;
     float cost_ns = 1;            ///< a point, AVX2, order of magnitude: decides whether a lazy region pays
     bool foldable = true;         ///< false where the result depends on more than operands and statics (textures)
 
