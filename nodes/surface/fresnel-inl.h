@@ -65,6 +65,8 @@ HWY_INLINE F fresnel_rise(F x, F f0) { return saturate((x - f0) / max(F(1) - f0,
 
 template <class F>
 HWY_INLINE F fresnel_conductor(F c, F n, F k) {
+    n = clamp(n, F(0), F(1e9));
+    k = clamp(k, F(0), F(1e9));
     const F t = n * n + k * k, c2 = c * c, m = F(2) * n * c;
     const F p = (t * c2 - m + F(1)) / (t * c2 + m + F(1));
     const F s = (t - m + c2) / max(t + m + c2, F(1e-30));

@@ -53,6 +53,9 @@ struct MicrofacetLobe {
                 r = Vec3<T>(T(1));
                 if (transmits() && hw::fresnel_amplitudes(c, eta).total) return limit(r, t);
                 break;
+            case FresnelMode::TotalReflection:
+                r = Vec3<T>(hw::fresnel_amplitudes(c, eta).total ? T(1) : T(0));
+                break;
             case FresnelMode::Dielectric: r = Vec3<T>(hw::fresnel_dielectric(c, eta)); break;
             case FresnelMode::Principled: {
                 const bool film = at.film >= 0 && p[at.film] > T(0.1);
@@ -64,12 +67,14 @@ struct MicrofacetLobe {
             case FresnelMode::F82: r = hw::fresnel_f82(c, rgb(at.f0), rgb(at.edge)); break;
             case FresnelMode::Conductor: r = hw::fresnel_conductor(c, rgb(at.f0), rgb(at.edge)); break;
         }
-        t = spec.fresnel == FresnelMode::None ? Vec3<T>(T(1)) : (Vec3<T>(T(1)) - r) * tint;
+        t = Vec3<T>(T(1));
+        if (spec.fresnel != FresnelMode::None)  // under a film a strong f0 lifts r above 1
+            for (int i = 0; i < 3; ++i) t[i] = std::max(1 - r[i], T(0)) * tint[i];
         limit(r, t);
     }
     /// Probability of reflecting given the two shares.
     T reflect_probability(Vec3<T> r, Vec3<T> t) const {
-        const T a = average(r), b = average(t);
+        const T a = std::max(average(r), T(0)), b = std::max(average(t), T(0));
         return a + b > 0 ? a / (a + b) : T(0);
     }
 
