@@ -4,9 +4,10 @@
 // decided at compile time (LobeSpec). The mathematics of each kind is in render/closure/. This header is all that the two
 // sides share: the list of kinds, and what each parameter channel of a kind means.
 //
-// Channels of one lobe, in order: weight r g b; normal x y z; tangent x y z (only kinds with has_tangent); then params.
-// All vectors are world space. `weight` is the colour that multiplies the lobe, cosine excluded. A lobe with zero weight is
-// not evaluated. Frame: z = normal, x = tangent made orthogonal to it.
+// Channels of one lobe, in order: weight r g b; normal x y z; tangent x y z (only where has_tangent()); then params.
+// All vectors are world space and unit length, the tangent need not be orthogonal to the normal. `weight` is the colour that
+// multiplies the lobe, cosine excluded; energy compensation is part of it. A lobe with zero weight is absent: its other
+// channels are not read. Frame: z = normal, x = tangent made orthogonal to it.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -20,39 +21,29 @@ enum class LobeKind : uint8_t {
     Transparent,  ///< straight through; weight = transmittance; no params
     Holdout,      ///< weight = amount of alpha cut out
     // Diffuse
-    Diffuse,     ///< params: roughness (Oren–Nayar of Cycles 4.5, energy compensated), color r g b (enters multiple scattering)
-    OrenNayar,   ///< alShaders' diffuse: qualitative Oren–Nayar; params: sigma
-    Translucent, ///< Lambert transmission (also alShaders' backlight); params: roughness
-    // Microfacet. params: alpha_x, alpha_y, eta, then f0 r g b, f90-or-edge r g b, scale r g b; see MicrofacetParam
+    Diffuse,      ///< Lambert, or Oren–Nayar of Cycles 4.5 (energy compensated); params: roughness, color r g b in 0..1
+                  ///< (enters multiple scattering; weight has the colour too). `smooth` in the spec: no params
+    OrenNayar,    ///< alShaders' diffuse: qualitative Oren–Nayar; params: sigma (radians)
+    Translucent,  ///< Lambert transmission; no params
+    SheenMicrofiber,  ///< linearly transformed cosine about the plane of wo; params: A, B; weight includes the albedo
+    SheenAshikhmin,   ///< Ashikhmin's velvet; params: sigma
+    ToonDiffuse,      ///< params: size, smooth: half angles in radians
+    ToonGlossy,       ///< the same about the mirrored direction
+    // Microfacet: params by MicrofacetLayout
     MicrofacetReflection,
     MicrofacetTransmission,  ///< refraction only
     MicrofacetGlass,         ///< reflection and refraction by Fresnel, one lobe
-    AshikhminShirley,        ///< params as Microfacet
-    SheenMicrofiber,         ///< params: ltc_a, ltc_b, albedo
+    AshikhminShirley,        ///< anisotropic Phong; widths as a microfacet lobe, no Fresnel
     kCount
-};
-
-/// Parameter channels of the microfacet kinds, after weight, normal and tangent.
-enum MicrofacetParam : int {
-    kAlphaX,
-    kAlphaY,
-    kEta,        ///< relative index seen from wo's side: ior entering, 1/ior leaving
-    kF0R, kF0G, kF0B,        ///< meaning by FresnelMode
-    kEdgeR, kEdgeG, kEdgeB,  ///< meaning by FresnelMode
-    kTransR, kTransG, kTransB,  ///< tint of the transmitted part (MicrofacetGlass)
-    kScaleR, kScaleG, kScaleB,  ///< energy compensation per channel; 1 where there is none
-    kFilmThickness, kFilmIor,   ///< thin film, nm; 0 = none
-    kMicrofacetParams
 };
 
 enum class Distribution : uint8_t { GGX, Beckmann };
 enum class FresnelMode : uint8_t {
-    None,          ///< F = 1 for every channel (or 0 under total reflection in a pure refraction lobe)
-    Dielectric,    ///< exact unpolarised at eta; tinted: reflected x f0, transmitted x trans
-    Principled,    ///< lerp(f0, 1, s), s = sat((Fd - F0d)/(1 - F0d)) with Fd exact at eta
-    F82,           ///< f0, edge = b of the F82 form
-    Conductor,     ///< f0 = n, edge = k
-    AlDielectric,  ///< alShaders: the dielectric curve, the same eta on both sides, no refraction
+    None,        ///< F = 1 (in a refraction lobe 0 under total reflection); tint by weight
+    Dielectric,  ///< exact unpolarised at eta. A reflection lobe may keep the same eta on both sides (alShaders)
+    Principled,  ///< lerp(f0, 1, s), s = sat((Fd - F0d)/(1 - F0d)) with Fd exact at eta; transmitted part × trans
+    F82,         ///< f0, edge = b of the F82 form
+    Conductor,   ///< f0 = n, edge = k
 };
 
 /// Which light AOV a lobe's contribution goes to (API.md section 10).
@@ -63,29 +54,66 @@ struct LobeSpec {
     LobeLabel label = LobeLabel::Diffuse;
     Distribution distribution = Distribution::GGX;
     FresnelMode fresnel = FresnelMode::None;
-    bool cycles_normal = false;   ///< apply Cycles' corrected normal and bump shadowing (formulas of the closure reference)
-    bool shadow_only = false;     ///< present in shadow-ray programs only (alShaders' shadow opacity)
+    bool cycles_normal = false;  ///< Cycles' bump shadowing (diffuse kinds) and side test against Ng (microfacet kinds)
+    bool shadow_only = false;    ///< present in shadow-ray programs only (alShaders' shadow opacity)
+    bool anisotropic = false;    ///< microfacet reflection, Ashikhmin–Shirley: two widths and a tangent instead of one width
+    bool thin_film = false;      ///< Principled Fresnel under a film
+    bool smooth = false;         ///< Diffuse: roughness is 0 everywhere, no params
+    bool transmits = false;      ///< OrenNayar: leaves on the far side (alShaders' backlight)
     /// Indices of node parameters any of which makes the lobe vanish when constant and black/zero.
     std::vector<int> gates = {};
 
-    bool has_tangent() const {
-        return kind == LobeKind::MicrofacetReflection || kind == LobeKind::MicrofacetTransmission ||
-               kind == LobeKind::MicrofacetGlass || kind == LobeKind::AshikhminShirley;
-    }
-    int params() const {
-        switch (kind) {
-            case LobeKind::Diffuse: return 4;
-            case LobeKind::OrenNayar: return 1;
-            case LobeKind::Translucent: return 1;
-            case LobeKind::MicrofacetReflection:
-            case LobeKind::MicrofacetTransmission:
-            case LobeKind::MicrofacetGlass:
-            case LobeKind::AshikhminShirley: return kMicrofacetParams;
-            case LobeKind::SheenMicrofiber: return 3;
-            default: return 0;
-        }
-    }
+    bool is_microfacet() const { return kind >= LobeKind::MicrofacetReflection && kind <= LobeKind::AshikhminShirley; }
+    bool has_tangent() const { return is_microfacet() && anisotropic; }
+    int params() const;
     int channels() const { return 6 + (has_tangent() ? 3 : 0) + params(); }
 };
+
+/// Where the parameters of a microfacet lobe lie after weight, normal and tangent; -1 = the lobe has none.
+struct MicrofacetLayout {
+    int8_t alpha_x = 0, alpha_y = 0;  ///< widths (roughness squared); the same channel where isotropic
+    int8_t eta = -1;    ///< relative index seen from wo's side: ior entering, 1/ior leaving
+    int8_t f0 = -1;     ///< r g b, meaning by FresnelMode
+    int8_t edge = -1;   ///< r g b, meaning by FresnelMode
+    int8_t trans = -1;  ///< r g b, tint of the transmitted part (MicrofacetGlass with Principled Fresnel)
+    int8_t film = -1;   ///< thickness in nm (0 = none), index of the film seen from wo's side
+    int8_t count = 1;
+
+    constexpr MicrofacetLayout() = default;
+    constexpr MicrofacetLayout(LobeKind kind, FresnelMode fresnel, bool anisotropic, bool thin_film) {
+        if (anisotropic) alpha_y = count++;
+        const bool refracts = kind == LobeKind::MicrofacetTransmission || kind == LobeKind::MicrofacetGlass;
+        const bool principled = fresnel == FresnelMode::Principled;
+        if (refracts || principled || fresnel == FresnelMode::Dielectric) eta = count++;
+        if (principled || fresnel == FresnelMode::F82 || fresnel == FresnelMode::Conductor) take(f0, 3);
+        if (fresnel == FresnelMode::F82 || fresnel == FresnelMode::Conductor) take(edge, 3);
+        if (principled && kind == LobeKind::MicrofacetGlass) take(trans, 3);
+        if (principled && thin_film) take(film, 2);
+    }
+    explicit MicrofacetLayout(const LobeSpec& s) : MicrofacetLayout(s.kind, s.fresnel, s.anisotropic, s.thin_film) {}
+
+  private:
+    constexpr void take(int8_t& place, int channels) {
+        place = count;
+        count = static_cast<int8_t>(count + channels);
+    }
+};
+inline constexpr int kMaxLobeParams = MicrofacetLayout(LobeKind::MicrofacetGlass, FresnelMode::Principled, true, true).count;
+
+inline int LobeSpec::params() const {
+    switch (kind) {
+        case LobeKind::Diffuse: return smooth ? 0 : 4;
+        case LobeKind::OrenNayar:
+        case LobeKind::SheenAshikhmin: return 1;
+        case LobeKind::SheenMicrofiber:
+        case LobeKind::ToonDiffuse:
+        case LobeKind::ToonGlossy: return 2;
+        case LobeKind::MicrofacetReflection:
+        case LobeKind::MicrofacetTransmission:
+        case LobeKind::MicrofacetGlass:
+        case LobeKind::AshikhminShirley: return MicrofacetLayout(*this).count;
+        default: return 0;
+    }
+}
 
 }  // namespace alder
