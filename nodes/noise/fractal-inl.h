@@ -20,6 +20,7 @@ struct FractalParams {
     F detail;  ///< octaves beyond the first; a fraction adds that much of one more
     F roughness, lacunarity, offset, gain;
     bool normalize;  ///< fBM: to [0, 1] about
+    HWY_INLINE FractalParams() {}
 };
 
 /// min(max(x, lo), hi) as Cycles orders the comparisons: NaN gives lo.

@@ -98,19 +98,19 @@ HWY_INLINE constexpr I hash_low24(I x, I y, I z, I w) {
 
 /// [0, 2^32) to [0, 1]: Cycles divides by (float)0xffffffff, which is 2^32.
 template <class F>
-HWY_INLINE constexpr F uint_to_unit(Int<F> n) { return unsigned_to_float<F>(n) * F(0x1p-32f); }
+HWY_INLINE F uint_to_unit(Int<F> n) { return unsigned_to_float<F>(n) * F(0x1p-32f); }
 
 // Coordinates are hashed by the bits of their 32-bit floats: 0 and -0 differ, as in Cycles.
 template <class F>
-HWY_INLINE constexpr F hash_to_float(F x) { return uint_to_unit<F>(hash_uint(float_bits(x))); }
+HWY_INLINE F hash_to_float(F x) { return uint_to_unit<F>(hash_uint(float_bits(x))); }
 template <class F>
-HWY_INLINE constexpr F hash_to_float(F x, F y) { return uint_to_unit<F>(hash_uint2(float_bits(x), float_bits(y))); }
+HWY_INLINE F hash_to_float(F x, F y) { return uint_to_unit<F>(hash_uint2(float_bits(x), float_bits(y))); }
 template <class F>
-HWY_INLINE constexpr F hash_to_float(F x, F y, F z) {
+HWY_INLINE F hash_to_float(F x, F y, F z) {
     return uint_to_unit<F>(hash_uint3(float_bits(x), float_bits(y), float_bits(z)));
 }
 template <class F>
-HWY_INLINE constexpr F hash_to_float(F x, F y, F z, F w) {
+HWY_INLINE F hash_to_float(F x, F y, F z, F w) {
     return uint_to_unit<F>(hash_uint4(float_bits(x), float_bits(y), float_bits(z), float_bits(w)));
 }
 

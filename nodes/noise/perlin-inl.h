@@ -18,6 +18,7 @@ namespace alder::HWY_NAMESPACE {
 template <int D, class F>
 struct Coord {
     F c[D];
+    HWY_INLINE Coord() {}
     friend HWY_INLINE Coord operator+(Coord a, const Coord& b) {
         for (int i = 0; i < D; ++i) a.c[i] = a.c[i] + b.c[i];
         return a;
@@ -33,6 +34,7 @@ template <class F>
 struct LatticeAxis {
     Int<F> cell;
     F f, fade;
+    HWY_INLINE LatticeAxis() {}
     HWY_INLINE void set_fraction(F fraction) {
         f = fraction;
         fade = f * f * f * mad(f, mad(f, F(6), F(-15)), F(10));
@@ -141,10 +143,8 @@ HWY_NOINLINE void set_far_axes(const Coord<D, F>& p, LatticeAxis<F>* a) {
         const F half = select(abs(x) >= F(1e6), F(0.5), F(0));
         if constexpr (D <= 2) {
             x = fmod(x, F(1e5));
-        } else if constexpr (std::is_same_v<F, VF>) {
-            x = mad(-trunc(x / F(1e5)), F(1e5), x);
         } else {
-            x = std::fma(-trunc(x / F(1e5)), F(1e5), x);
+            x = fused_mad(-trunc(x / F(1e5)), F(1e5), x);
         }
         x = x + half;
         const F below = floor(x);

@@ -98,7 +98,7 @@ HWY_INLINE VM operator<=(VF a, VF b) { return hn::Le(a.v, b.v); }
 HWY_INLINE VM operator>(VF a, VF b) { return hn::Gt(a.v, b.v); }
 HWY_INLINE VM operator>=(VF a, VF b) { return hn::Ge(a.v, b.v); }
 HWY_INLINE VM operator==(VF a, VF b) { return hn::Eq(a.v, b.v); }
-HWY_INLINE VM operator!=(VF a, VF b) { return hn::Ne(a.v, b.v); }
+HWY_INLINE VM operator!=(VF a, VF b) { return hn::Not(hn::Eq(a.v, b.v)); }  // hn::Ne is false for NaN on AVX, true on SSE4
 
 // ---- arithmetic of VI: wrapping 32-bit; shr is logical, sar arithmetic ----------------------------------------------
 HWY_INLINE VI operator+(VI a, VI b) { return hn::Add(a.v, b.v); }
@@ -140,13 +140,18 @@ HWY_INLINE VI rotl(VI a) {
 }
 
 template <int k>
-HWY_INLINE constexpr int32_t shl(int32_t a) { return static_cast<int32_t>(static_cast<uint32_t>(a) << k); }
+HWY_INLINE int32_t shl(int32_t a) { return static_cast<int32_t>(static_cast<uint32_t>(a) << k); }
 template <int k>
-HWY_INLINE constexpr int32_t shr(int32_t a) { return static_cast<int32_t>(static_cast<uint32_t>(a) >> k); }
+HWY_INLINE int32_t shr(int32_t a) { return static_cast<int32_t>(static_cast<uint32_t>(a) >> k); }
 template <int k>
-HWY_INLINE constexpr int32_t sar(int32_t a) { return a >> k; }
+HWY_INLINE int32_t sar(int32_t a) { return a >> k; }
 template <int k>
-HWY_INLINE constexpr int32_t rotl(int32_t a) { return static_cast<int32_t>(std::rotl(static_cast<uint32_t>(a), k)); }
+HWY_INLINE int32_t rotl(int32_t a) { return static_cast<int32_t>(std::rotl(static_cast<uint32_t>(a), k)); }
+// Unsigned, for constant expressions, where overflow of signed integers is an error.
+template <int k>
+HWY_INLINE constexpr uint32_t shr(uint32_t a) { return a >> k; }
+template <int k>
+HWY_INLINE constexpr uint32_t rotl(uint32_t a) { return std::rotl(a, k); }
 
 // ---- masks: & | ! , any, all, select(mask, where true, where false) -------------------------------------------------
 HWY_INLINE VM operator&(VM a, VM b) { return hn::And(a.m, b.m); }
@@ -224,7 +229,7 @@ HWY_INLINE F to_float(Int<F> a) {
 }
 /// The integer read as unsigned.
 template <class F>
-HWY_INLINE constexpr F unsigned_to_float(Int<F> a) {
+HWY_INLINE F unsigned_to_float(Int<F> a) {
     if constexpr (std::is_same_v<F, VF>) {
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
         return VF(hn::ConvertTo(TagF(), hn::BitCast(TagU(), a.v)));
@@ -240,8 +245,8 @@ HWY_INLINE constexpr F unsigned_to_float(Int<F> a) {
 }
 /// Bits of the value as a 32-bit float (a double is rounded to float first: hashes of coordinates need float's bits).
 HWY_INLINE VI float_bits(VF a) { return hn::BitCast(TagI(), a.v); }
-HWY_INLINE constexpr int32_t float_bits(float a) { return std::bit_cast<int32_t>(a); }
-HWY_INLINE constexpr int32_t float_bits(double a) { return std::bit_cast<int32_t>(static_cast<float>(a)); }
+HWY_INLINE int32_t float_bits(float a) { return std::bit_cast<int32_t>(a); }
+HWY_INLINE int32_t float_bits(double a) { return std::bit_cast<int32_t>(static_cast<float>(a)); }
 template <class F>
 HWY_INLINE F bits_to_float(Int<F> a) {
     if constexpr (std::is_same_v<F, VF>) return VF(hn::BitCast(TagF(), a.v));
@@ -337,6 +342,25 @@ HWY_INLINE F map_lanes(F x, F y, Fn fn) {
         return VF(hn::Load(TagF(), a));
     } else {
         return fn(x, y);
+    }
+}
+
+/// a*b + c rounded once on every target: where the rounding decides (a hash or a floor follows). A library call a lane on SSE4.
+template <class F>
+HWY_INLINE F fused_mad(F a, F b, F c) {
+    if constexpr (std::is_same_v<F, VF>) {
+#if HWY_TARGET <= HWY_AVX2  // these have the instruction; smaller is newer
+        return mad(a, b, c);
+#else
+        HWY_ALIGN float x[HWY_MAX_BYTES / sizeof(float)], y[HWY_MAX_BYTES / sizeof(float)], z[HWY_MAX_BYTES / sizeof(float)];
+        hn::Store(a.v, TagF(), x);
+        hn::Store(b.v, TagF(), y);
+        hn::Store(c.v, TagF(), z);
+        for (size_t i = 0; i < hn::Lanes(TagF()); ++i) x[i] = std::fma(x[i], y[i], z[i]);
+        return VF(hn::Load(TagF(), x));
+#endif
+    } else {
+        return std::fma(a, b, c);
     }
 }
 
