@@ -162,11 +162,11 @@ HWY_INLINE AlCoat<F> al_specular(const Lanes<F>& k, const AlSurfacePlan& plan, c
         for (int ch = 0; ch < 3; ++ch) {
             metal[ch] = al_metal(k.f(c.reflectivity + ch), k.f(c.edge_tint + ch));
             F e = F(0);
-            for (int i = 0; i < 3; ++i) e += rule.weight[i] * al_fresnel_metal(rule.cosine[i], metal[ch]);
+            for (int i = 0; i < 3; ++i) e += rule.weight[i] * fresnel_conductor(rule.cosine[i], metal[ch].n, metal[ch].k);
             coat.albedo = max(coat.albedo, e);
         }
     } else {
-        for (int i = 0; i < 3; ++i) coat.albedo += rule.weight[i] * al_fresnel_dielectric(rule.cosine[i], ior);
+        for (int i = 0; i < 3; ++i) coat.albedo += rule.weight[i] * fresnel_dielectric(rule.cosine[i], ior);
     }
     // A normal that faces away reflects nothing to the viewer.
     coat.albedo = select(cos_o > F(0), min(F(1), coat.albedo), F(0));
@@ -224,7 +224,7 @@ HWY_INLINE void al_surface_point(const Lanes<F>& k, const AlSurfacePlan& plan) {
         for (int which = 0; which < 2; ++which) coat[which] = al_specular(k, plan, point, which);
     const F straight = plan.specular[0].metallic
                            ? F(1)
-                           : al_fresnel_dielectric(dot(point.wo, point.n), al_ior(k.f(channel("specular1Ior"))));
+                           : fresnel_dielectric(max(F(0), dot(point.wo, point.n)), al_ior(k.f(channel("specular1Ior"))));
     const AlWeights<F> w = al_weights(point.path, base, coat[0], coat[1], plan.transmission_caustics, straight);
 
     const int* out = plan.out;
