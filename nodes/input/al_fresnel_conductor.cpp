@@ -13,7 +13,7 @@ struct Conductor {
     double reflectivity[3], edge_tint[3];
 };
 /// Fits of the named metals, in the order of the enum; the last item, custom, is not here.
-inline constexpr Conductor kConductors[] = {
+constexpr Conductor kConductors[] = {
     {{0.914, 0.921, 0.921}, {0.971, 0.979, 0.989}},             // aluminium
     {{0.548, 0.549, 0.57}, {0.579, 0.598, 0.62}},               // chrome
     {{0.985, 0.649, 0.546}, {0.996, 0.918, 0.859}},             // copper
@@ -23,7 +23,7 @@ inline constexpr Conductor kConductors[] = {
     {{0.55, 0.501692, 0.4477}, {0.689119, 0.683298, 0.693}},    // titanium
     {{0.504, 0.49513, 0.475776}, {0.403, 0.419, 0.422}},        // tungsten
 };
-inline constexpr int kCustomConductor = 8;
+constexpr int kCustomConductor = 8;
 }  // namespace alder
 #endif
 

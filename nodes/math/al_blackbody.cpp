@@ -9,7 +9,7 @@
 #ifndef ALDER_NODES_MATH_AL_BLACKBODY_
 #define ALDER_NODES_MATH_AL_BLACKBODY_
 namespace alder {
-inline constexpr int kMaxKelvin = 15000;
+constexpr int kMaxKelvin = 15000;
 /// Rec.709 chromaticity by whole kelvin, before x + y + z = 1 is scaled.
 struct BlackbodyTable : Prepared {
     std::vector<float> rgb[3];
@@ -88,15 +88,15 @@ static std::shared_ptr<const BlackbodyTable> build_table() {
     const auto to_rgb = xyz_to_rec709();
     for (auto& channel : table->rgb) channel.resize(kMaxKelvin + 1);
     for (int kelvin = 0; kelvin <= kMaxKelvin; ++kelvin) {
-        double xyz[3] = {0, 0, 0};
+        float xyz[3] = {0, 0, 0};   // in float, as in the original: below some 100 kelvin they vanish
         for (int i = 0; i < 81; ++i) {
             const double metres = (380 + 5 * i) * 1e-9;
-            const double radiance = 3.74183e-16 * std::pow(metres, -5) / (std::exp(1.4388e-2 / (metres * kelvin)) - 1);
-            for (int j = 0; j < 3; ++j) xyz[j] += radiance * kMatching[i][j];
+            const float radiance = static_cast<float>(3.74183e-16 * std::pow(metres, -5) / (std::exp(1.4388e-2 / (metres * kelvin)) - 1));
+            for (int j = 0; j < 3; ++j) xyz[j] += radiance * static_cast<float>(kMatching[i][j]);
         }
-        const double sum = xyz[0] + xyz[1] + xyz[2];
+        const float sum = xyz[0] + xyz[1] + xyz[2];
         for (int i = 0; i < 3; ++i) {
-            const double c = (to_rgb[3 * i] * xyz[0] + to_rgb[3 * i + 1] * xyz[1] + to_rgb[3 * i + 2] * xyz[2]) / sum;
+            const double c = to_rgb[3 * i] * (xyz[0] / sum) + to_rgb[3 * i + 1] * (xyz[1] / sum) + to_rgb[3 * i + 2] * (xyz[2] / sum);
             table->rgb[i][kelvin] = c > 0 ? static_cast<float>(c) : 0;   // NaN where the sums vanish: 0
         }
     }

@@ -23,7 +23,7 @@ struct FromCineon {
         constexpr double kStep = 0.002 / 0.6;
         constexpr double kBlack = 0.0107977516232771;   // 10^((95 - 685)·0.002/0.6)
         constexpr double kGain = 1.0 / (1.0 - kBlack);
-        return max(F(0), pow(F(10), (F(1023) * c - F(685)) * F(kStep)) * F(kGain) - F(kGain - 1.0));
+        return max(F(0), pow(F(10), (F(1023) * c - F(685)) * F(kStep)) * F(kGain) - (F(kGain) - F(1)));
     }
 };
 struct FromLogC {

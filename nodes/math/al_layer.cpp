@@ -11,7 +11,7 @@
 #define ALDER_NODES_MATH_AL_LAYER_
 namespace alder {
 // Parameters a layer: colour, alpha, mode, name, enabled; a float layer has no mode.
-inline constexpr int kLayers = 8, kFloatParams = 4, kColorParams = 5;
+constexpr int kLayers = 8, kFloatParams = 4, kColorParams = 5;
 inline int layer_stride(const Statics& s) { return static_cast<int>(s.enums.size()) / kLayers; }   // 4 of 32, 5 of 41
 /// Layers that count: up to the highest whose alpha is linked or not zero.
 inline int layers_in_use(const Statics& s) {
