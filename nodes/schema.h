@@ -31,7 +31,7 @@ enum class Type : uint8_t {
     Matrix,  ///< 16 numbers
     Json,    ///< any other structure
 };
-inline int channels(Type t) { return t == Type::Color || t == Type::Vector ? 3 : t <= Type::Bool ? 1 : 0; }
+constexpr int channels(Type t) { return t == Type::Color || t == Type::Vector ? 3 : t <= Type::Bool ? 1 : 0; }
 inline bool is_static(Type t) { return t >= Type::Enum; }
 const char* type_name(Type t);
 
@@ -42,6 +42,7 @@ enum class Global : uint8_t {
     Ng,              ///< geometric normal, turned likewise
     I,               ///< unit direction towards the viewer
     Po,              ///< position, object space
+    NormalObject,    ///< interpolated vertex normal, object space, not normalised, not turned; zero where not known (NormalMap)
     Ns,              ///< shading normal without bump, not turned (alShaders)
     Uv,              ///< u, v, 0 of the active UV map
     Generated,       ///< Blender's generated coordinates
