@@ -1,7 +1,7 @@
 // Graphs without a scene: the node catalogue, evaluation at points, validation.
 #include <fmt/format.h>
 
-#include "graph/evaluate.h"
+#include "render/evaluate.h"
 #include "nodes/registry_json.h"
 #include "server/digest.h"
 #include "server/members.h"

@@ -217,7 +217,8 @@ ssize_t Connection::read_body(char* data, size_t size) {
             }
             case Body::ChunkSize: {
                 if (!read_line(line, 256)) return -1;
-                const std::string_view digits = std::string_view(line).substr(0, line.find_first_of("; \t"));
+                std::string_view digits = std::string_view(line).substr(0, line.find(';'));   // extensions are dropped
+                while (!digits.empty() && (digits.back() == ' ' || digits.back() == '\t')) digits.remove_suffix(1);
                 const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), left_, 16);
                 if (digits.empty() || digits.size() > 16 || error != std::errc() || end != digits.data() + digits.size())
                     return fail(BodyResult::Malformed);
