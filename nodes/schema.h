@@ -48,6 +48,8 @@ enum class Global : uint8_t {
     Dpdu, Dpdv,      ///< position derivatives by u, v
     Dpdx, Dpdy,      ///< position change per pixel step in x, y
     Duvdx, Duvdy,    ///< uv change per pixel step
+    Dpodx, Dpody,    ///< object-space position change per pixel step
+    Dgendx, Dgendy,  ///< generated-coordinate change per pixel step
     Tangent,         ///< tangent of the active UV map, world space
     TangentSign,     ///< 1 channel
     TangentObject,   ///< the same tangent as stored: object space
@@ -210,6 +212,8 @@ struct NodeType {
     std::vector<Output> outputs;
     std::vector<Global> globals;  ///< read by the kernel, appended after the parameters' channels
     Kernel kernel;
+    /// Closure nodes: AOV names that carry a parameter's value ("id_1" -> id1), blended like the closure itself.
+    std::vector<std::pair<std::string, int>> closure_aovs;
     float cost_ns = 1;            ///< a point, AVX2, order of magnitude: decides whether a lazy region pays
     bool foldable = true;         ///< false where the result depends on more than operands and statics (textures)
 
