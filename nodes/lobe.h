@@ -44,6 +44,7 @@ enum class FresnelMode : uint8_t {
     Principled,  ///< lerp(f0, 1, s), s = sat((Fd - F0d)/(1 - F0d)) with Fd exact at eta; transmitted part × trans
     F82,         ///< f0, edge = b of the F82 form
     Conductor,   ///< f0 = n, edge = k
+    TotalReflection,  ///< MicrofacetGlass: F = 1 under total reflection, else 0: all light refracts where it can (alShaders)
 };
 
 /// Which light AOV a lobe's contribution goes to (API.md section 10).

@@ -150,7 +150,12 @@ struct Statics {
     std::vector<LobeSpec> lobes;        ///< closure nodes: the static lobe set
     std::vector<int> lobe_offset;       ///< first output channel of each lobe
     std::shared_ptr<const Prepared> prepared;
+    /// Numeric parameters: constant and 0 in every channel; unlinked and at the default. lobes() and uses() may rely on them:
+    /// a constant that moves across either is a change of structure. Short or empty = not known.
+    std::vector<bool> zero, at_default;
     int e(int param) const { return enums[param]; }
+    bool is_zero(int param) const { return static_cast<size_t>(param) < zero.size() && zero[param]; }
+    bool is_default(int param) const { return static_cast<size_t>(param) < at_default.size() && at_default[param]; }
 };
 
 /// One channel of an operand: stride 1 = one value a point, stride 0 = the same for all (then at least 16 copies lie at p).

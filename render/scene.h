@@ -37,7 +37,7 @@ struct Mesh {
     std::string name;
     std::vector<Vec3f> positions;
     std::vector<std::array<uint32_t, 3>> triangles;
-    std::vector<Vec3f> vertex_normals;      ///< per point; empty = computed, area weighted
+    std::vector<Vec3f> vertex_normals;      ///< per point; empty = computed (compute_vertex_normals)
     std::vector<Vec3f> corner_normals;      ///< per triangle corner, overrides vertex normals
     std::vector<uint8_t> smooth;            ///< per triangle; empty = all smooth
     std::vector<uint32_t> face_material;    ///< per triangle: index into Instance::materials; empty = 0
