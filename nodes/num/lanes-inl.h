@@ -98,7 +98,7 @@ HWY_INLINE VM operator<=(VF a, VF b) { return hn::Le(a.v, b.v); }
 HWY_INLINE VM operator>(VF a, VF b) { return hn::Gt(a.v, b.v); }
 HWY_INLINE VM operator>=(VF a, VF b) { return hn::Ge(a.v, b.v); }
 HWY_INLINE VM operator==(VF a, VF b) { return hn::Eq(a.v, b.v); }
-HWY_INLINE VM operator!=(VF a, VF b) { return hn::Ne(a.v, b.v); }
+HWY_INLINE VM operator!=(VF a, VF b) { return hn::Not(hn::Eq(a.v, b.v)); }  // hn::Ne is false for NaN on AVX, true on SSE4
 
 // ---- arithmetic of VI: wrapping 32-bit; shr is logical, sar arithmetic ----------------------------------------------
 HWY_INLINE VI operator+(VI a, VI b) { return hn::Add(a.v, b.v); }
@@ -123,8 +123,21 @@ template <int k>
 HWY_INLINE VI shr(VI a) { return hn::BitCast(TagI(), hn::ShiftRight<k>(hn::BitCast(TagU(), a.v))); }
 template <int k>
 HWY_INLINE VI sar(VI a) { return hn::ShiftRight<k>(a.v); }
+/// Rotation by k bits. Without AVX-512's rotate, whole bytes are moved by one byte shuffle instead of two shifts and an or.
 template <int k>
-HWY_INLINE VI rotl(VI a) { return hn::BitCast(TagI(), hn::RotateRight<32 - k>(hn::BitCast(TagU(), a.v))); }
+HWY_INLINE VI rotl(VI a) {
+#if HWY_TARGET != HWY_AVX3 && HWY_TARGET != HWY_AVX3_DL
+    if constexpr (k % 8 == 0) {
+        constexpr uint8_t b = k / 8;
+#define ALDER_ROTATED(i) 4 * i + (4 - b) % 4, 4 * i + (5 - b) % 4, 4 * i + (6 - b) % 4, 4 * i + (7 - b) % 4
+        alignas(16) static constexpr uint8_t kOrder[16] = {ALDER_ROTATED(0), ALDER_ROTATED(1), ALDER_ROTATED(2), ALDER_ROTATED(3)};
+#undef ALDER_ROTATED
+        const hn::Repartition<uint8_t, TagI> bytes;
+        return hn::BitCast(TagI(), hn::TableLookupBytes(hn::BitCast(bytes, a.v), hn::LoadDup128(bytes, kOrder)));
+    }
+#endif
+    return hn::BitCast(TagI(), hn::RotateRight<32 - k>(hn::BitCast(TagU(), a.v)));
+}
 
 template <int k>
 HWY_INLINE int32_t shl(int32_t a) { return static_cast<int32_t>(static_cast<uint32_t>(a) << k); }
@@ -134,6 +147,11 @@ template <int k>
 HWY_INLINE int32_t sar(int32_t a) { return a >> k; }
 template <int k>
 HWY_INLINE int32_t rotl(int32_t a) { return static_cast<int32_t>(std::rotl(static_cast<uint32_t>(a), k)); }
+// Unsigned, for constant expressions, where overflow of signed integers is an error.
+template <int k>
+HWY_INLINE constexpr uint32_t shr(uint32_t a) { return a >> k; }
+template <int k>
+HWY_INLINE constexpr uint32_t rotl(uint32_t a) { return std::rotl(a, k); }
 
 // ---- masks: & | ! , any, all, select(mask, where true, where false) -------------------------------------------------
 HWY_INLINE VM operator&(VM a, VM b) { return hn::And(a.m, b.m); }
@@ -213,10 +231,14 @@ HWY_INLINE F to_float(Int<F> a) {
 template <class F>
 HWY_INLINE F unsigned_to_float(Int<F> a) {
     if constexpr (std::is_same_v<F, VF>) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+        return VF(hn::ConvertTo(TagF(), hn::BitCast(TagU(), a.v)));
+#else
         // Exact rounding: split in 16-bit halves; the sum of two exact floats rounds once.
         const VF hi = VF(hn::ConvertTo(TagF(), shr<16>(a).v)) * VF(65536.0f);
         const VF lo = VF(hn::ConvertTo(TagF(), (a & VI(0xffff)).v));
         return hi + lo;
+#endif
     } else {
         return static_cast<F>(static_cast<uint32_t>(a));
     }
@@ -240,6 +262,59 @@ template <class F>
 HWY_INLINE Int<F> gather_int(const int32_t* table, Int<F> index) {
     if constexpr (std::is_same_v<F, VF>) return VI(hn::GatherIndex(TagI(), table, index.v));
     else return table[index];
+}
+
+/// floor(x) as an integer for |x| < 2^22; other lanes give some integer.
+template <class F>
+HWY_INLINE Int<F> small_floor_to_int(F floor_of_x) {
+    if constexpr (std::is_same_v<F, VF>) {
+        // Adding 1.5·2^23 leaves the integer in the low bits of the sum: one addition instead of a conversion and its range check.
+        return float_bits(floor_of_x + VF(12582912.0f)) - VI(0x4b400000);
+    } else {
+        return to_int(floor_of_x);
+    }
+}
+
+// ---- tables held in registers ---------------------------------------------------------------------------------------
+/// 16 or 32 numbers out of {0, 2, -2}: these differ in their top byte alone, so that a byte shuffle looks them up where there
+/// is no permutation of sixteen floats.
+template <int kSize>
+struct TableOfTwos {
+    static_assert(kSize == 16 || kSize == 32);
+    alignas(64) float value[kSize];
+    alignas(16) uint8_t top_byte[kSize];
+    constexpr explicit TableOfTwos(const int8_t (&sign)[kSize]) : value{}, top_byte{} {
+        for (int i = 0; i < kSize; ++i) {
+            value[i] = 2.0f * sign[i];
+            top_byte[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(value[i]) >> 24);
+        }
+    }
+};
+/// table[index mod kSize].
+template <class F, int kSize>
+HWY_INLINE F lookup(const TableOfTwos<kSize>& table, Int<F> index) {
+    if constexpr (std::is_same_v<F, VF>) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+        const auto low = hn::Load(TagF(), table.value);
+        if constexpr (kSize == 32) {
+            return VF(hn::Vec<TagF>{_mm512_permutex2var_ps(low.raw, index.v.raw, hn::Load(TagF(), table.value + 16).raw)});
+        } else {
+            return VF(hn::Vec<TagF>{_mm512_permutexvar_ps(index.v.raw, low.raw)});
+        }
+#else
+        const hn::Repartition<uint8_t, TagI> bytes;
+        const VI position = (shl<24>(index) & VI(0x0f000000)) | VI(0x00808080);  // a set top bit makes a zero byte
+        const auto low = hn::TableLookupBytes(hn::LoadDup128(bytes, table.top_byte), hn::BitCast(bytes, position.v));
+        if constexpr (kSize == 32) {
+            const auto high = hn::TableLookupBytes(hn::LoadDup128(bytes, table.top_byte + 16), hn::BitCast(bytes, position.v));
+            return select((index & VI(16)) == VI(0), VF(hn::BitCast(TagF(), low)), VF(hn::BitCast(TagF(), high)));
+        } else {
+            return VF(hn::BitCast(TagF(), low));
+        }
+#endif
+    } else {
+        return static_cast<F>(table.value[index & (kSize - 1)]);
+    }
 }
 
 // ---- one lane at a time ---------------------------------------------------------------------------------------------
@@ -267,6 +342,25 @@ HWY_INLINE F map_lanes(F x, F y, Fn fn) {
         return VF(hn::Load(TagF(), a));
     } else {
         return fn(x, y);
+    }
+}
+
+/// a*b + c rounded once on every target: where the rounding decides (a hash or a floor follows). A library call a lane on SSE4.
+template <class F>
+HWY_INLINE F fused_mad(F a, F b, F c) {
+    if constexpr (std::is_same_v<F, VF>) {
+#if HWY_TARGET <= HWY_AVX2  // these have the instruction; smaller is newer
+        return mad(a, b, c);
+#else
+        HWY_ALIGN float x[HWY_MAX_BYTES / sizeof(float)], y[HWY_MAX_BYTES / sizeof(float)], z[HWY_MAX_BYTES / sizeof(float)];
+        hn::Store(a.v, TagF(), x);
+        hn::Store(b.v, TagF(), y);
+        hn::Store(c.v, TagF(), z);
+        for (size_t i = 0; i < hn::Lanes(TagF()); ++i) x[i] = std::fma(x[i], y[i], z[i]);
+        return VF(hn::Load(TagF(), x));
+#endif
+    } else {
+        return std::fma(a, b, c);
     }
 }
 
