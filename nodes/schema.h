@@ -31,7 +31,7 @@ enum class Type : uint8_t {
     Matrix,  ///< 16 numbers
     Json,    ///< any other structure
 };
-inline int channels(Type t) { return t == Type::Color || t == Type::Vector ? 3 : t <= Type::Bool ? 1 : 0; }
+constexpr int channels(Type t) { return t == Type::Color || t == Type::Vector ? 3 : t <= Type::Bool ? 1 : 0; }
 inline bool is_static(Type t) { return t >= Type::Enum; }
 const char* type_name(Type t);
 

@@ -22,6 +22,7 @@ struct FresnelAmplitudes {
     F s, p;      ///< both 1 under total reflection
     F cos_t;     ///< cosine of the refracted ray, >= 0; 0 under total reflection
     Mask<F> total;
+    HWY_INLINE FresnelAmplitudes() {}
 };
 /// eta cos_t = sqrt((eta-1)(eta+1) + c²) does not cancel near eta = 1, where eta² - (1 - c²) would.
 template <class F>
