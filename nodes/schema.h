@@ -42,6 +42,7 @@ enum class Global : uint8_t {
     Ng,              ///< geometric normal, turned likewise
     I,               ///< unit direction towards the viewer
     Po,              ///< position, object space
+    NormalObject,    ///< interpolated vertex normal, object space, not normalised, not turned; zero where not known (NormalMap)
     Ns,              ///< shading normal without bump, not turned (alShaders)
     Uv,              ///< u, v, 0 of the active UV map
     Generated,       ///< Blender's generated coordinates
