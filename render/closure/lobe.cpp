@@ -56,7 +56,13 @@ struct MicrofacetLobe {
             case FresnelMode::TotalReflection:
                 r = Vec3<T>(hw::fresnel_amplitudes(c, eta).total ? T(1) : T(0));
                 break;
-            case FresnelMode::Dielectric: r = Vec3<T>(hw::fresnel_dielectric(c, eta)); break;
+            case FresnelMode::Dielectric: {
+                T f = hw::fresnel_dielectric(c, eta);
+                // Cycles' Glass: not below the value at normal incidence, where the curve of a high index dips.
+                if (spec.kind == LobeKind::MicrofacetGlass) f = std::max(f, hw::f0_from_ior(eta));
+                r = Vec3<T>(f);
+                break;
+            }
             case FresnelMode::Principled: {
                 const bool film = at.film >= 0 && p[at.film] > T(0.1);
                 r = film ? hw::fresnel_principled_film(c, eta, rgb(at.f0), p[at.film], p[at.film + 1])

@@ -18,8 +18,9 @@ inline double ior_of(double z) {
     return (1 + z * z) / (1 - z * z);
 }
 
-/// The shares of one visible normal, averaged over all of them: a Sample struct's add(h, ho) is called for a grid of n x n
-/// points of the visible-normal sampler's unit square (one half of it: the other mirrors).
+/// Mean over the visible normals of integrand(microfacets, wo, h, h.wo), by a grid of n x n points of the sampler's unit square
+/// (one half of it: the other mirrors). The second coordinate is stretched towards 1, where steep normals crowd: they are what
+/// a narrow lobe loses.
 template <class Integrand>
 double over_visible_normals(double rough, double mu, int n, const Integrand& integrand) {
     const closure::Microfacets<double> m{Distribution::GGX, rough * rough, rough * rough};
@@ -27,8 +28,9 @@ double over_visible_normals(double rough, double mu, int n, const Integrand& int
     double sum = 0;
     for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b) {
-            const Vec3d h = m.sample_visible(wo, 0.5 * (a + 0.5) / n, (b + 0.5) / n);
-            sum += integrand(m, wo, h, dot(wo, h));
+            const double v = 1 - (b + 0.5) / n;
+            const Vec3d h = m.sample_visible(wo, 0.5 * (a + 0.5) / n, 1 - v * v * v);
+            sum += integrand(m, wo, h, dot(wo, h)) * 3 * v * v;
         }
     return sum / (static_cast<double>(n) * n);
 }
@@ -61,12 +63,13 @@ inline double ggx_glass_albedo(double rough, double mu, double ior, bool from_in
         return sum;
     });
 }
-/// How far the Fresnel curve has risen from F0 towards 1, over the normals whose reflection leaves the surface.
+/// How far the Fresnel curve has risen from F0 towards 1 (0 where it dips below), over the normals whose reflection leaves
+/// the surface.
 inline double ggx_fresnel_rise(double rough, double mu, double ior, int n) {
     const double f0 = HWY_NAMESPACE::f0_from_ior(ior);
     return over_visible_normals(rough, mu, n, [&](const auto&, Vec3d wo, Vec3d h, double ho) {
         const Vec3d wi = h * (2 * ho) - wo;
-        return wi.z > 0 ? (HWY_NAMESPACE::fresnel_dielectric(ho, ior) - f0) / (1 - f0) : 0.0;
+        return wi.z > 0 ? HWY_NAMESPACE::fresnel_rise(HWY_NAMESPACE::fresnel_dielectric(ho, ior), f0) : 0.0;
     });
 }
 /// 2 int mu E(mu) dmu: Gauss–Legendre of `points` nodes in sqrt(mu), where E is smoothest.

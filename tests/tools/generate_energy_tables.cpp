@@ -25,7 +25,7 @@ void write(const char* name, const char* comment, int count, const std::function
 }  // namespace
 
 int main() {
-    const int fine = 600, coarse = 256, mus = 24;
+    const int fine = 400, coarse = 160, mus = 24;
     std::printf(
         "// Energy tables of GGX, by quadrature. Written by tests/tools/generate_energy_tables.cpp; definitions there and in\n"
         "// nodes/surface/energy-inl.h. Layout: roughness runs fastest, then the viewer's cosine, then z = F0^(1/4).\n"
