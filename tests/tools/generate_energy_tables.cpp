@@ -1,5 +1,6 @@
 // Writes nodes/surface/tables/ggx_energy.cpp: generate_energy_tables > nodes/surface/tables/ggx_energy.cpp (minutes).
 #include <cstdio>
+#include <cstring>
 #include <functional>
 #include <thread>
 
@@ -18,7 +19,11 @@ void write(const char* name, const char* comment, int count, const std::function
         });
     for (std::thread& t : threads) t.join();
     std::printf("/// %s\nextern const float %s[%d] = {", comment, name, count);
-    for (int i = 0; i < count; ++i) std::printf("%s%.7gf,", i % 8 ? " " : "\n    ", v[i] == std::floor(v[i]) ? v[i] + 0.0 : v[i]);
+    for (int i = 0; i < count; ++i) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.7g", v[i]);
+        std::printf("%s%s%s,", i % 8 ? " " : "\n    ", text, std::strpbrk(text, ".e") ? "f" : "");
+    }
     std::printf("\n};\n\n");
     std::fflush(stdout);
 }
