@@ -23,6 +23,11 @@
 
 #include "hwy/highway.h"
 
+// Before a loop over the components of a small array of lanes: in registers only if unrolled, which -O2 does not do by itself.
+#ifndef ALDER_UNROLL
+#define ALDER_UNROLL _Pragma("GCC unroll 16")
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
