@@ -55,7 +55,7 @@ struct LobeSpec {
     LobeLabel label = LobeLabel::Diffuse;
     Distribution distribution = Distribution::GGX;
     FresnelMode fresnel = FresnelMode::None;
-    bool cycles_normal = false;  ///< Cycles' bump shadowing (diffuse kinds) and side test against Ng (microfacet kinds)
+    bool cycles_normal = false;  ///< Cycles' bump shadowing of diffuse kinds where the normal is not the surface's own
     bool shadow_only = false;    ///< present in shadow-ray programs only (alShaders' shadow opacity)
     bool anisotropic = false;    ///< microfacet reflection, Ashikhmin–Shirley: two widths and a tangent instead of one width
     bool thin_film = false;      ///< Principled Fresnel under a film

@@ -45,7 +45,7 @@ struct Mesh {
     std::vector<Vec3f> tangents;            ///< per triangle corner, object space; empty = from uv when needed
     std::vector<float> tangent_signs;
     std::vector<Attribute> attributes;
-    std::array<Vec3f, 2> generated_bounds;  ///< texture space: min, max (object space)
+    std::array<Vec3f, 2> generated_bounds{Vec3f(0), Vec3f(0)};  ///< texture space: min, max (object space)
 };
 
 /// Ray visibility, one bit a kind of ray.

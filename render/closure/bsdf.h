@@ -35,6 +35,10 @@ Lobe<T> load_lobe(const LobeSpec& spec, const Channel<T>* channels, size_t i);
 template <class T>
 struct ShadingView {
     Vec3<T> wo, ng, ns;
+    /// Cycles evaluates rough refraction for any pair of directions, also where no microfacet that wo sees connects them;
+    /// its sampler never produces those, and its albedo exceeds 1 by them. True: evaluate them too (with density 0), to
+    /// compare with its tables. False: they are 0, which is what a renderer wants.
+    bool any_half_vector = false;
 };
 
 template <class T>

@@ -1,0 +1,503 @@
+// Document -> IR for one request: inputs are pulled by what needs them (builder.h).
+#include "graph/builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/builtin_ops.h"
+#include "graph/json_text.h"
+
+namespace alder {
+namespace {
+
+constexpr int kMaxNestedBump = 2;  ///< a bump inside a bump's height is derived; deeper ones are taken at the centre
+
+LobeFilter group_of(const LobeSpec& s) {
+    if (s.shadow_only) return LobeFilter::Shadow;
+    switch (s.kind) {
+        case LobeKind::Emission: return LobeFilter::Emission;
+        case LobeKind::Transparent:
+        case LobeKind::Holdout: return LobeFilter::Transparency;
+        default: return LobeFilter::Scatter;
+    }
+}
+
+}  // namespace
+
+/// The Lowering that one node sees while one of its outputs is built.
+class NodeLowering final : public Lowering {
+  public:
+    NodeLowering(Builder& b, int node, int variant, std::map<int, int>* weights, int path_weight)
+        : b_(b), node_(node), variant_(variant), statics_(b.statics(node)), weights_(weights), path_weight_(path_weight) {}
+
+    const Statics& statics() const override { return *statics_; }
+    bool linked(int param) const override { return statics_->linked[param]; }
+    ValueRef input(int param) override { return keep(b_.param_value(node_, param, variant_)); }
+    ValueRef displaced_input(int param, int direction, ValueRef width) override {
+        if (b_.variants_[variant_].depth >= kMaxNestedBump) return input(param);
+        return keep(b_.param_value(node_, param, b_.variant_of(variant_, direction, refs_[width.id].ch[0])));
+    }
+    ValueRef global(Global g) override { return keep(b_.global_value(g, variant_)); }
+    ValueRef attribute(const std::string& name, Type type) override {
+        IrRef r{type, {}};
+        for (int i = 0; i < channels(type); ++i) r.ch[i] = b_.built_.ir.attribute(name, type, i);
+        return keep(r);
+    }
+    ValueRef constant(Type type, double x, double y, double z) override {
+        IrRef r{type, {}};
+        const double v[3] = {x, y, z};
+        for (int i = 0; i < channels(type); ++i) r.ch[i] = b_.built_.ir.literal(v[i]);
+        return keep(r);
+    }
+    ValueRef call(std::span<const ValueRef> params, int output) override {
+        const NodeType& type = *statics_->type;
+        std::vector<int> in = flat(params);
+        for (Global g : type.globals) {
+            const IrRef r = b_.global_value(g, variant_);
+            for (int i = 0; i < alder::channels(g); ++i) in.push_back(r.ch[i]);
+        }
+        int outs = 0, first = 0;
+        for (size_t i = 0; i < type.outputs.size(); ++i) {
+            if (static_cast<int>(i) == output) first = outs;
+            outs += channels(type.outputs[i].type);
+        }
+        const int op = b_.built_.ir.op(type.kernel, type.name.c_str(), statics_, std::move(in), outs, type.foldable, type.cost_ns, node_);
+        IrRef r{type.outputs[output].type, {}};
+        for (int i = 0; i < channels(r.type); ++i) r.ch[i] = b_.built_.ir.ops[op].out[first + i];
+        return keep(r);
+    }
+    ValueRef op(const char* name, const Kernel& kernel, std::span<const ValueRef> operands, Type result) override {
+        const int op = b_.built_.ir.op(kernel, name, statics_, flat(operands), channels(result), true, 1, node_);
+        IrRef r{result, {}};
+        for (int i = 0; i < channels(result); ++i) r.ch[i] = b_.built_.ir.ops[op].out[i];
+        return keep(r);
+    }
+    ValueRef convert(ValueRef v, Type to) override { return keep(b_.convert(refs_[v.id], to, statics_->type->system)); }
+    void result(ValueRef v) override {
+        result_ = refs_[v.id];
+        has_result_ = true;
+    }
+    void pass_closure(int param, ValueRef weight) override {
+        const DocValue& v = b_.document_.nodes[node_]->params[param];
+        if (v.kind != DocValue::Link || !weights_) return;
+        Ir& ir = b_.built_.ir;
+        int w = path_weight_;
+        if (weight.valid()) {
+            const IrRef f = b_.convert(refs_[weight.id], Type::Float, System::Cycles);
+            if (ir.is_constant(f.ch[0]) && ir.guarded(Guard::AllZero, {f.ch[0]})) {
+                b_.built_.skipped.emplace_back(v.link.node, fmt::format("{}.{} has weight 0", b_.document_.nodes[node_]->name, statics_->type->params[param].name));
+                return;
+            }
+            if (!(ir.is_constant(f.ch[0]) && ir.guarded(Guard::IsOne, {f.ch[0]})))
+                w = ir.is_constant(w) && ir.value(w) == 1 ? f.ch[0] : b_.op1("multiply", builtin::multiply(), {w, f.ch[0]});
+        }
+        const auto [it, fresh] = weights_->try_emplace(v.link.node, w);
+        if (!fresh) it->second = b_.op1("add", builtin::add(), {it->second, w});
+    }
+
+    bool has_result() const { return has_result_; }
+    const IrRef& value() const { return result_; }
+
+  private:
+    ValueRef keep(IrRef r) {
+        refs_.push_back(r);
+        return {static_cast<int>(refs_.size()) - 1};
+    }
+    std::vector<int> flat(std::span<const ValueRef> values) const {
+        std::vector<int> in;
+        for (ValueRef v : values)
+            for (int i = 0; i < channels(refs_[v.id].type); ++i) in.push_back(refs_[v.id].ch[i]);
+        return in;
+    }
+
+    Builder& b_;
+    int node_, variant_;
+    std::shared_ptr<const Statics> statics_;
+    std::map<int, int>* weights_;
+    int path_weight_;
+    std::vector<IrRef> refs_;
+    IrRef result_;
+    bool has_result_ = false;
+};
+
+std::shared_ptr<const Statics> Builder::statics(int node) {
+    auto& slot = statics_[node];
+    if (slot) return slot;
+    const DocNode& n = *document_.nodes[node];
+    auto s = std::make_shared<Statics>(make_statics(n));
+    asked_[node].assign(n.type->params.size(), 0);
+    s->asked = &asked_[node];
+    if (n.type->lobes) {
+        s->lobes = n.type->lobes(*s);
+        int offset = 0;
+        for (const auto& l : s->lobes) {
+            s->lobe_offset.push_back(offset);
+            offset += l.channels();
+        }
+    }
+    if (n.type->prepare) {
+        std::vector<std::string> errors;
+        s->prepared = n.type->prepare(*s, errors);
+        for (const auto& e : errors) {
+            const auto colon = e.find(':');
+            const int param = colon == std::string::npos ? -1 : n.type->param_index(e.substr(0, colon));
+            const std::string pointer = options_.pointer_prefix + "/nodes/" + pointer_token(n.name) + (param >= 0 ? "/params/" + pointer_token(n.type->params[param].name) : "");
+            if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back({pointer, "invalid-value", param >= 0 ? e.substr(colon + 2) : e, "a usable " + n.type->name, ""});
+        }
+    }
+    slot = s;
+    return s;
+}
+
+int Builder::variant_of(int parent, int direction, int width) {
+    for (size_t i = 1; i < variants_.size(); ++i)
+        if (variants_[i].parent == parent && variants_[i].direction == direction && variants_[i].width == width) return static_cast<int>(i);
+    variants_.push_back({parent, direction, width, variants_[parent].depth + 1});
+    return static_cast<int>(variants_.size()) - 1;
+}
+
+int Builder::op1(const char* name, const Kernel& kernel, std::vector<int> in) {
+    return built_.ir.ops[built_.ir.op(kernel, name, nullptr, std::move(in), 1, true, 0.3f, -1)].out[0];
+}
+
+IrRef Builder::global_value(Global g, int variant) {
+    const int n = channels(g);
+    IrRef r{n == 3 ? Type::Vector : Type::Float, {}};
+    for (int i = 0; i < n; ++i) r.ch[i] = built_.ir.global(g, i);
+    if (variant == 0) return r;
+    Global dx, dy;
+    switch (g) {
+        case Global::P: dx = Global::Dpdx, dy = Global::Dpdy; break;
+        case Global::Po: dx = Global::Dpodx, dy = Global::Dpody; break;
+        case Global::Uv: dx = Global::Duvdx, dy = Global::Duvdy; break;
+        case Global::Generated: dx = Global::Dgendx, dy = Global::Dgendy; break;
+        default: return r;
+    }
+    const Variant v = variants_[variant];
+    r = global_value(g, v.parent);
+    for (int i = 0; i < n; ++i)
+        r.ch[i] = op1("displace", builtin::mad(), {built_.ir.global(v.direction == 1 ? dx : dy, i), v.width, r.ch[i]});
+    return r;
+}
+
+IrRef Builder::convert(IrRef v, Type to, System system) {
+    if (v.type == to || to == Type::Closure) return v;
+    IrRef r{to, v.ch};
+    const int from_channels = channels(v.type), to_channels = channels(to);
+    if (to_channels == 3) {
+        if (from_channels == 1) r.ch = {v.ch[0], v.ch[0], v.ch[0]};
+        return r;
+    }
+    int c = v.ch[0];
+    if (from_channels == 3)
+        c = system == System::Cycles && v.type == Type::Color ? op1("luminance", builtin::luminance_cycles(), {v.ch[0], v.ch[1], v.ch[2]})
+                                                              : op1("mean", builtin::mean(), {v.ch[0], v.ch[1], v.ch[2]});
+    if (to == Type::Int && v.type != Type::Bool) c = op1("to_int", builtin::to_int(), {c});
+    if (to == Type::Bool) c = op1("to_bool", builtin::to_bool(), {c});
+    r.ch = {c, -1, -1};
+    return r;
+}
+
+IrRef Builder::constant_param(int node, int param) {
+    const DocNode& n = *document_.nodes[node];
+    const Param& p = n.type->params[param];
+    const auto& number = n.params[param].kind == DocValue::Constant ? n.params[param].number : p.number;
+    IrRef r{p.type, {}};
+    const auto [it, fresh] = built_.leaves.try_emplace({node, param}, std::pair(0, channels(p.type)));
+    for (int i = 0; i < channels(p.type); ++i) {
+        const int c = fresh ? built_.ir.leaf(number[i]) : it->second.first + i;
+        if (fresh && i == 0) it->second.first = c;
+        r.ch[i] = c;
+    }
+    return r;
+}
+
+IrRef Builder::param_value(int node, int param, int variant) {
+    const DocNode& n = *document_.nodes[node];
+    const Param& p = n.type->params[param];
+    const DocValue& v = n.params[param];
+    switch (v.kind) {
+        case DocValue::Link: return link_value(v.link, n.type->system, p.type, variant);
+        case DocValue::Attribute: {
+            IrRef r{p.type, {}};
+            for (int i = 0; i < channels(p.type); ++i) r.ch[i] = built_.ir.attribute(v.text, p.type, i);
+            return r;
+        }
+        case DocValue::Default:
+            if (p.has_default_global) return convert(global_value(p.default_global, variant), p.type, n.type->system);
+            [[fallthrough]];
+        case DocValue::Constant:
+            // Blender's hidden vector sockets: a constant that is written out is the socket's value only where no global stands in.
+            return constant_param(node, param);
+    }
+    return {};
+}
+
+IrRef Builder::link_value(const DocLink& link, System consumer, Type to, int variant) {
+    IrRef r = node_output(link.node, link.output, variant);
+    if (link.component >= 0) {
+        IrRef one{Type::Float, {}};
+        one.ch[0] = channels(r.type) == 1 ? r.ch[0] : link.component < 3 ? r.ch[link.component] : built_.ir.literal(1);
+        r = one;
+    }
+    return convert(r, to, consumer);
+}
+
+IrRef Builder::node_output(int node, int output, int variant) {
+    const auto key = std::make_tuple(node, output, variant);
+    if (const auto it = memo_.find(key); it != memo_.end()) return it->second;
+    built_.touched.insert(node);
+    const NodeType& type = *document_.nodes[node]->type;
+    IrRef r;
+    if (type.lower && type.outputs[output].type != Type::Closure) {
+        NodeLowering lowering(*this, node, variant, nullptr, -1);
+        type.lower(lowering, output);
+        r = lowering.has_result() ? convert(lowering.value(), type.outputs[output].type, type.system) : run_kernel(node, output, variant);
+    } else {
+        r = run_kernel(node, output, variant);
+    }
+    memo_[key] = r;
+    return r;
+}
+
+int Builder::lazy_guard(const LazyRule& rule, IrRef selector, IrRef second, bool& needed, bool& always) {
+    Ir& ir = built_.ir;
+    const int s = selector.ch[0];
+    const bool constant = ir.is_constant(s) && (rule.second < 0 || ir.is_constant(second.ch[0]));
+    needed = always = false;
+    switch (rule.when) {
+        case LazyRule::NeededIfNonZero:
+            if (constant) return needed = always = ir.guarded(Guard::NonZero, {s}), -1;
+            needed = true;
+            return op1("guard", builtin::guard_nonzero(), {s});
+        case LazyRule::NeededIfPositive:
+            if (constant) return needed = always = ir.guarded(Guard::Positive, {s}), -1;
+            needed = true;
+            return op1("guard", builtin::guard_positive(), {s});
+        case LazyRule::NeededIfBelowOne:
+            if (constant) return needed = always = ir.guarded(Guard::BelowOne, {s}), -1;
+            needed = true;
+            return op1("guard", builtin::guard_below_one(), {s});
+        case LazyRule::NeededIfIndex:
+            if (constant) return needed = always = ir.guarded(Guard::SwitchIndex, {s, second.ch[0]}, rule.index), -1;
+            needed = true;
+            return op1("guard", builtin::guard_switch(), {s, second.ch[0], ir.literal(rule.index)});
+    }
+    return -1;
+}
+
+std::vector<int> Builder::kernel_operands(int node, const Statics& s, int variant, uint64_t lobes, std::vector<LazyUse>& lazy) {
+    const DocNode& n = *document_.nodes[node];
+    const NodeType& type = *n.type;
+    std::vector<LazyRule> rules;
+    if (type.lazy) rules = type.lazy(s);
+    const auto skip = [&](size_t i, const std::string& why) {
+        if (n.params[i].kind == DocValue::Link)
+            built_.skipped.emplace_back(n.params[i].link.node, fmt::format("{}.{}: {}", n.name, type.params[i].name, why));
+    };
+    std::vector<int> in;
+    for (size_t i = 0; i < type.params.size(); ++i) {
+        const Param& p = type.params[i];
+        const int count = channels(p.type);
+        if (count == 0) continue;
+        IrRef r;
+        int guard = -1;
+        if ((type.uses && !type.uses(s, static_cast<int>(i))) || (p.link_only && !s.linked[i] && !p.has_default_global)) {
+            skip(i, "has no effect with these settings");
+            r = constant_param(node, static_cast<int>(i));
+        } else if (type.lobes && (p.only_lobes & lobes) == 0) {
+            skip(i, "only feeds lobes that are not there");
+            r = constant_param(node, static_cast<int>(i));
+        } else {
+            bool wanted = true;
+            for (const auto& rule : rules) {
+                if (rule.param != static_cast<int>(i)) continue;
+                const IrRef selector = param_value(node, rule.selector, variant);
+                const IrRef second = rule.second >= 0 ? param_value(node, rule.second, variant) : IrRef();
+                bool needed, always;
+                const int g = lazy_guard(rule, selector, second, needed, always);
+                if (!needed) wanted = false;
+                else if (!always) guard = guard < 0 ? g : op1("and", builtin::multiply(), {guard, g});
+            }
+            if (!wanted) skip(i, fmt::format("not selected"));
+            r = wanted ? param_value(node, static_cast<int>(i), variant) : constant_param(node, static_cast<int>(i));
+            if (!wanted) guard = -1;
+        }
+        if (guard >= 0) lazy.push_back({static_cast<int>(in.size()), static_cast<int>(in.size()) + count, guard});
+        for (int k = 0; k < count; ++k) in.push_back(r.ch[k]);
+    }
+    for (Global g : type.globals) {
+        const IrRef r = global_value(g, variant);
+        for (int i = 0; i < channels(g); ++i) in.push_back(r.ch[i]);
+    }
+    return in;
+}
+
+IrRef Builder::run_kernel(int node, int output, int variant) {
+    const auto s = statics(node);
+    const NodeType& type = *s->type;
+    std::vector<LazyUse> lazy;
+    std::vector<int> in = kernel_operands(node, *s, variant, ~uint64_t{0}, lazy);
+    int outs = 0, first = 0;
+    for (size_t i = 0; i < type.outputs.size(); ++i) {
+        if (static_cast<int>(i) == output) first = outs;
+        outs += channels(type.outputs[i].type);
+    }
+    const size_t before = built_.ir.ops.size();
+    const int op = built_.ir.op(type.kernel, type.name.c_str(), s, std::move(in), outs, type.foldable, type.cost_ns, node);
+    if (built_.ir.ops.size() > before) built_.ir.ops[op].lazy = std::move(lazy);
+    IrRef r{type.outputs[output].type, {}};
+    for (int i = 0; i < channels(r.type); ++i) r.ch[i] = built_.ir.ops[op].out[first + i];
+    return r;
+}
+
+void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
+    Ir& ir = built_.ir;
+    const auto s = statics(node);
+    const NodeType& type = *s->type;
+    const std::string& name = document_.nodes[node]->name;
+    built_.touched.insert(node);
+    uint64_t kept = 0;
+    for (size_t i = 0; i < s->lobes.size(); ++i) {
+        const LobeSpec& spec = s->lobes[i];
+        if (!has(filter, group_of(spec))) continue;
+        bool dead = false;
+        for (int pass = 0; pass < 2 && !dead; ++pass)  // constants first: they may spare building a network
+            for (int gate : spec.gates) {
+                if ((pass == 0) == s->linked[gate] || dead) continue;
+                const IrRef v = param_value(node, gate, 0);
+                std::vector<int> ch(v.ch.begin(), v.ch.begin() + channels(v.type));
+                if (std::all_of(ch.begin(), ch.end(), [&](int c) { return ir.is_constant(c); })) dead = ir.guarded(Guard::AllZero, ch);
+            }
+        if (!dead) kept |= uint64_t{1} << i;
+    }
+    if (kept == 0) return;
+    std::vector<LazyUse> lazy;
+    std::vector<int> in = kernel_operands(node, *s, 0, kept, lazy);
+    const int outs = s->lobes.empty() ? 0 : s->lobe_offset.back() + s->lobes.back().channels();
+    const size_t before = ir.ops.size();
+    const int op = ir.op(type.kernel, type.name.c_str(), s, std::move(in), outs, type.foldable, type.cost_ns, node);
+    if (ir.ops.size() > before) ir.ops[op].lazy = std::move(lazy);
+
+    const bool one = ir.is_constant(weight) && ir.guarded(Guard::IsOne, {weight});
+    const int guard = one || ir.is_constant(weight) || ir.ops[op].folded ? -1 : op1("guard", builtin::guard_nonzero(), {weight});
+    for (size_t i = 0; i < s->lobes.size(); ++i) {
+        if (!(kept >> i & 1)) continue;
+        BuiltLobe lobe{s->lobes[i], {}, guard, name};
+        for (int c = 0; c < s->lobes[i].channels(); ++c) {
+            int ch = ir.ops[op].out[s->lobe_offset[i] + c];
+            if (c < 3 && !one) {
+                const size_t count = ir.ops.size();
+                const int m = ir.op(builtin::multiply(), "weigh", nullptr, {ch, weight}, 1, true, 0.3f, -1);
+                if (guard >= 0 && ir.ops.size() > count) ir.ops[m].lazy.push_back({0, 1, guard});
+                ch = ir.ops[m].out[0];
+            }
+            lobe.channels.push_back(ch);
+        }
+        const std::vector<int> w(lobe.channels.begin(), lobe.channels.begin() + 3);
+        if (std::all_of(w.begin(), w.end(), [&](int c) { return ir.is_constant(c); }) && ir.guarded(Guard::AllZero, w)) continue;
+        built_.lobes.push_back(std::move(lobe));
+    }
+}
+
+/// All closures below `link`: parents before children, so that a closure reached on several ways is emitted once with the
+/// sum of its weights.
+void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
+    std::vector<int> order;
+    std::map<int, char> state;
+    std::vector<std::pair<int, size_t>> stack{{link.node, 0}};
+    state[link.node] = 1;
+    while (!stack.empty()) {
+        auto& [node, param] = stack.back();
+        const DocNode& n = *document_.nodes[node];
+        while (param < n.params.size() && !(n.type->params[param].type == Type::Closure && n.params[param].kind == DocValue::Link)) ++param;
+        if (param == n.params.size()) {
+            order.push_back(node);
+            stack.pop_back();
+            continue;
+        }
+        const int to = n.params[param++].link.node;
+        if (!state[to]) {
+            state[to] = 1;
+            stack.emplace_back(to, 0);
+        }
+    }
+    std::map<int, int> weights{{link.node, weight}};
+    for (auto it = order.rbegin(); it != order.rend(); ++it) {
+        const auto w = weights.find(*it);
+        if (w == weights.end()) continue;
+        const NodeType& type = *document_.nodes[*it]->type;
+        if (collecting_aov_) {
+            for (const auto& [aov, param] : type.closure_aovs) {
+                if (aov != aov_name_) continue;
+                const IrRef v = convert(param_value(*it, param, 0), Type::Color, type.system);
+                for (int i = 0; i < 3; ++i) {
+                    const int m = op1("multiply", builtin::multiply(), {v.ch[i], w->second});
+                    aov_sum_.ch[i] = aov_found_ ? op1("add", builtin::add(), {aov_sum_.ch[i], m}) : m;
+                }
+                aov_found_ = true;
+            }
+        }
+        if (type.lower) {
+            built_.touched.insert(*it);
+            NodeLowering lowering(*this, *it, 0, &weights, w->second);
+            type.lower(lowering, 0);
+        } else if (type.lobes && !collecting_aov_) {
+            closure_lobes(*it, w->second, filter);
+        }
+    }
+}
+
+void Builder::build(const ProgramRequest& request) {
+    const auto add = [&](const std::string& name, IrRef r) {
+        built_.outputs.push_back(r);
+        built_.output_names.push_back(name);
+    };
+    for (const auto& text : request.outputs) {
+        DocLink link;
+        if (!document_.find_output(text, link)) {
+            std::vector<std::string> names;
+            for (const auto& n : document_.nodes)
+                for (const auto& o : n->type->outputs) names.push_back(n->name + "." + o.name);
+            d_.errors.push_back({"/outputs", "unknown-output", text, "NODE.OUTPUT of the graph", nearest_name(text, names)});
+            continue;
+        }
+        if (document_.nodes[link.node]->type->outputs[link.output].type == Type::Closure) {
+            d_.errors.push_back({"/outputs", "wrong-type", text, "a value output; closures are evaluated through \"closure\"", ""});
+            continue;
+        }
+        add(text, node_output(link.node, link.output, 0));
+    }
+    for (const auto& name : request.aovs) {
+        const auto it = std::find_if(document_.outputs.aovs.begin(), document_.outputs.aovs.end(), [&](auto& a) { return a.first == name; });
+        if (it != document_.outputs.aovs.end()) {
+            const auto& link = it->second;
+            const auto& node = *document_.nodes[link.node];
+            add(name, link_value(link, node.type->system, link.component >= 0 ? Type::Float : node.type->outputs[link.output].type, 0));
+            continue;
+        }
+        collecting_aov_ = true;
+        aov_name_ = name;
+        aov_found_ = false;
+        aov_sum_ = {Type::Color, {}};
+        if (document_.outputs.surface.node >= 0) closure(document_.outputs.surface, built_.ir.literal(1), LobeFilter::None);
+        collecting_aov_ = false;
+        if (!aov_found_)
+            for (int i = 0; i < 3; ++i) aov_sum_.ch[i] = built_.ir.literal(0);
+        add(name, aov_sum_);
+    }
+    if (request.displacement && document_.outputs.displacement.node >= 0) {
+        const auto& link = document_.outputs.displacement;
+        add("displacement", link_value(link, document_.nodes[link.node]->type->system, Type::Vector, 0));
+    }
+    if (request.surface != LobeFilter::None && document_.outputs.surface.node >= 0)
+        closure(document_.outputs.surface, built_.ir.literal(1), request.surface);
+    for (auto& [node, s] : statics_) {
+        s->asked = nullptr;
+        for (size_t i = 0; i < asked_[node].size(); ++i)
+            if (asked_[node][i]) built_.asked.insert({node, static_cast<int>(i)});
+    }
+}
+
+}  // namespace alder

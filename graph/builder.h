@@ -1,0 +1,88 @@
+// Builder: Document -> IR for one request. Demand driven: starts at what was asked for and pulls inputs, so that what a
+// constant switches off is never built. Folding and merging happen on insertion (ir.h).
+#pragma once
+#include <map>
+#include <set>
+
+#include "graph/document.h"
+#include "graph/ir.h"
+#include "graph/lowering.h"
+
+namespace alder {
+
+/// A value of the graph: its type and channels.
+struct IrRef {
+    Type type = Type::Float;
+    std::array<int, 3> ch{-1, -1, -1};
+};
+
+struct BuiltLobe {
+    LobeSpec spec;
+    std::vector<int> channels;  ///< LobeSpec order, weight already multiplied by the path's mixing weight
+    int guard = -1;             ///< channel that is zero where the whole closure is not needed, or -1
+    std::string node;
+};
+
+/// The closure op's own uses are lazy under the mixing weight.
+struct Built {
+    Ir ir;
+    std::vector<BuiltLobe> lobes;
+    std::vector<IrRef> outputs;
+    std::vector<std::string> output_names;
+    std::vector<std::pair<int, int>> lazy_roots;             ///< (channel, guard): needed only where guard != 0
+    std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
+    std::set<std::pair<int, int>> asked;                     ///< (node, param): lobes() or uses() looked at its constant
+    std::vector<std::pair<int, std::string>> skipped;        ///< (node, reason)
+    std::set<int> touched;                                   ///< document nodes that left anything in the IR
+};
+
+class Builder {
+  public:
+    Builder(const Document& document, Built& built, Diagnostics& d, const MaterialOptions& options)
+        : document_(document), built_(built), d_(d), options_(options) {}
+
+    void build(const ProgramRequest& request);
+
+  private:
+    friend class NodeLowering;
+    /// Where the shading point stands: at the hit (0), or displaced for a bump derivative.
+    struct Variant {
+        int parent = 0;
+        int direction = 0;      ///< 1 = x, 2 = y
+        int width = -1;         ///< channel: filter width
+        int depth = 0;
+    };
+
+    IrRef node_output(int node, int output, int variant);
+    IrRef param_value(int node, int param, int variant);
+    IrRef link_value(const DocLink& link, System consumer, Type to, int variant);
+    IrRef constant_param(int node, int param);
+    IrRef global_value(Global g, int variant);
+    IrRef convert(IrRef v, Type to, System system);
+    IrRef run_kernel(int node, int output, int variant);
+    std::vector<int> kernel_operands(int node, const Statics& s, int variant, uint64_t lobes, std::vector<LazyUse>& lazy);
+    int lazy_guard(const LazyRule& rule, IrRef selector, IrRef second, bool& needed, bool& always);
+    std::shared_ptr<const Statics> statics(int node);
+    int variant_of(int parent, int direction, int width);
+    int op1(const char* name, const Kernel& kernel, std::vector<int> in);
+
+    void closure(const DocLink& link, int weight, LobeFilter filter);
+    void closure_lobes(int node, int weight, LobeFilter filter);
+    void closure_aov(const DocLink& link, const std::string& name, int weight, IrRef& sum, bool& found);
+
+    const Document& document_;
+    Built& built_;
+    Diagnostics& d_;
+    const MaterialOptions& options_;
+    std::vector<Variant> variants_{1};
+    std::map<std::tuple<int, int, int>, IrRef> memo_;
+    std::map<int, std::shared_ptr<Statics>> statics_;
+    std::map<int, std::vector<char>> asked_;
+    // While an alder AOV is collected along the closure tree instead of lobes:
+    bool collecting_aov_ = false;
+    std::string aov_name_;
+    IrRef aov_sum_;
+    bool aov_found_ = false;
+};
+
+}  // namespace alder
