@@ -100,7 +100,7 @@ const NodeType* find_node(std::string_view name) {
 
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
     if (name.size() > 128) return {};
-    int best = static_cast<int>(name.size() / 3 + 2);
+    int best = static_cast<int>(std::min(name.size() / 3 + 2, name.size()));
     std::string found;
     for (const auto& c : candidates) {
         if (c.size() > 128) continue;
