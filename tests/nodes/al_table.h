@@ -5,10 +5,10 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+#include <zlib.h>
 
 #include "nodes/num/vec.h"
 
@@ -18,8 +18,16 @@ namespace alder::test {
 inline nlohmann::json al_cases(const std::string& table) {
     const char* folder = std::getenv("ALDER_REFERENCE");
     const std::string path = (folder ? std::string(folder) : std::string(ALDER_SOURCE_DIR "/tests/reference")) + "/alshaders/" + table + ".json";
-    std::ifstream file(path);
-    const auto json = nlohmann::json::parse(file, nullptr, false);
+    std::string text;
+    for (const auto& name : {path, path + ".gz"}) {
+        gzFile file = gzopen(name.c_str(), "rb");   // reads plain files too
+        if (!file) continue;
+        char block[65536];
+        for (int n; (n = gzread(file, block, sizeof block)) > 0;) text.append(block, n);
+        gzclose(file);
+        break;
+    }
+    const auto json = nlohmann::json::parse(text, nullptr, false);
     if (!json.is_object() || !json.contains("cases") || json["cases"].empty()) {
         ADD_FAILURE() << "no reference table at " << path;
         return nlohmann::json::array();
