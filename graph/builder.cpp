@@ -126,6 +126,8 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
     if (slot) return slot;
     const DocNode& n = *document_.nodes[node];
     auto s = std::make_shared<Statics>(make_statics(n));
+    asked_[node].assign(n.type->params.size(), 0);
+    s->asked = &asked_[node];
     if (n.type->lobes) {
         s->lobes = n.type->lobes(*s);
         int offset = 0;
@@ -144,8 +146,8 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
             if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back({pointer, "invalid-value", param >= 0 ? e.substr(colon + 2) : e, "a usable " + n.type->name, ""});
         }
     }
-    slot = std::move(s);
-    return slot;
+    slot = s;
+    return s;
 }
 
 int Builder::variant_of(int parent, int direction, int width) {
@@ -491,6 +493,11 @@ void Builder::build(const ProgramRequest& request) {
     }
     if (request.surface != LobeFilter::None && document_.outputs.surface.node >= 0)
         closure(document_.outputs.surface, built_.ir.literal(1), request.surface);
+    for (auto& [node, s] : statics_) {
+        s->asked = nullptr;
+        for (size_t i = 0; i < asked_[node].size(); ++i)
+            if (asked_[node][i]) built_.asked.insert({node, static_cast<int>(i)});
+    }
 }
 
 }  // namespace alder

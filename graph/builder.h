@@ -31,6 +31,7 @@ struct Built {
     std::vector<std::string> output_names;
     std::vector<std::pair<int, int>> lazy_roots;             ///< (channel, guard): needed only where guard != 0
     std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
+    std::set<std::pair<int, int>> asked;                     ///< (node, param): lobes() or uses() looked at its constant
     std::vector<std::pair<int, std::string>> skipped;        ///< (node, reason)
     std::set<int> touched;                                   ///< document nodes that left anything in the IR
 };
@@ -75,7 +76,8 @@ class Builder {
     const MaterialOptions& options_;
     std::vector<Variant> variants_{1};
     std::map<std::tuple<int, int, int>, IrRef> memo_;
-    std::map<int, std::shared_ptr<const Statics>> statics_;
+    std::map<int, std::shared_ptr<Statics>> statics_;
+    std::map<int, std::vector<char>> asked_;
     // While an alder AOV is collected along the closure tree instead of lobes:
     bool collecting_aov_ = false;
     std::string aov_name_;

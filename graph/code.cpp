@@ -229,7 +229,7 @@ class Generator {
             if (code[i].kind == Instruction::Run)
                 for (int c : ir_.ops[code[i].op].out) def[c] = static_cast<int>(i);
         for (size_t i = 0; i < code.size(); ++i) {
-            if (code[i].kind == Instruction::Region) touch(regions_[code[i].op].guard, static_cast<int>(i));
+            if (code[i].kind == Instruction::Region) touch(regions_[code[i].op].guard, code[i].end - 1);  // read again after the region
             else
                 for (int c : ir_.ops[code[i].op].in) touch(c, static_cast<int>(i));
         }
@@ -335,6 +335,7 @@ class Generator {
             s.skipped.push_back(doc_.nodes[n]->name + ": " + reason);
         }
         code_->leaves = b_.leaves;
+        code_->asked = b_.asked;
         bool constant = true;
         for (const auto& l : b_.lobes)
             if (l.spec.kind == LobeKind::Emission)

@@ -39,6 +39,7 @@ struct Code {
     std::vector<ProgramLobe> lobes;
     std::vector<ProgramOutput> outputs;
     std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
+    std::set<std::pair<int, int>> asked;     ///< (node, param) whose being zero or default the structure relies on
     std::vector<std::string> node_names;
     int registers = 0;
     size_t scratch = 0;              ///< batches of scratch that nested regions need at most

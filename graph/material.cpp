@@ -101,13 +101,6 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         auto document = std::make_shared<Document>(*document_);
         auto changed = std::make_shared<DocNode>(*document->nodes[node]);
         changed->params[param] = v;
-        const Statics before = make_statics(*document_->nodes[node]), after = make_statics(*changed);
-        if (before.zero != after.zero || before.at_default != after.at_default) {
-            // lobes() and uses() may look at these: a change of structure. Compile on demand.
-            nlohmann::json j = this->document();
-            j["nodes"][parts[1]]["params"][parts[3]] = value;
-            return build_material(j, options_, d);
-        }
         check_node(*changed, options_.pointer_prefix + "/nodes/" + pointer_token(parts[1]), d);
         if (!d.ok()) return nullptr;
         document->nodes[node] = changed;
@@ -167,10 +160,12 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
 
     /// Programs of this material that hold for `to` as well, which differs in one constant.
     void carry_over(const MaterialImpl& to, int node, int param) const {
+        const Statics before = make_statics(*document_->nodes[node]), after = make_statics(*to.document_->nodes[node]);
+        const bool facts_changed = before.zero != after.zero || before.at_default != after.at_default;
         std::lock_guard lock(mutex_);
         std::lock_guard lock_to(to.mutex_);
         for (const auto& [r, p] : programs_) {
-            if (std::any_of(to.programs_.begin(), to.programs_.end(), [&](auto& q) { return q.first == r; })) continue;
+            if (facts_changed && p->code().asked.count({node, param})) continue;  // lobes() or uses() may answer differently
             if (auto q = p->with_constant(node, param, to.document_->nodes[node]->params[param].number)) to.programs_.emplace_back(r, q);
         }
     }

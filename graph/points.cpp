@@ -41,6 +41,8 @@ class Parser {
         }
         if (v.contains("surface")) surface(v["surface"], at + "/surface", out);
         out.world_to_object = out.object_to_world.inverse();
+        if (!out.has_reference) out.reference_to_world = out.object_to_world;
+        out.world_to_reference = out.reference_to_world.inverse();
         check_triangles(at, out);
     }
 
@@ -155,6 +157,8 @@ class Parser {
     void surface(const json& v, const std::string& at, PointData& out) {
         if (!v.is_object()) return fault(at, "wrong-type", v.type_name(), "an object");
         if (v.contains("object_to_world")) matrix(v["object_to_world"], at + "/object_to_world", out.object_to_world);
+        if (v.contains("reference_object_to_world"))
+            out.has_reference = matrix(v["reference_object_to_world"], at + "/reference_object_to_world", out.reference_to_world);
         PointMatrix blender;
         if (v.contains("camera_to_world") && matrix(v["camera_to_world"], at + "/camera_to_world", blender)) {
             blender.z = -blender.z;  // Blender's camera looks along -Z, Cycles' camera space has depth positive

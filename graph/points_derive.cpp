@@ -66,7 +66,7 @@ Vec3d PointData::mesh_ng(const Corners& c) const {
 Vec3d PointData::p(uint32_t i) const {
     if (const auto* f = field("P")) return f->vec(i);
     if (world) return value(Global::Direction, i);
-    if (const auto* f = field("Po")) return object_to_world.point(f->vec(i));
+    if (const auto* f = field("Po")) return reference_to_world.point(f->vec(i));
     if (!on_mesh()) return Vec3d(0.0);
     const Corners c = corners(i);
     return c.p[0] * c.w0 + c.p[1] * c.w1 + c.p[2] * (1 - c.w0 - c.w1);
@@ -74,7 +74,7 @@ Vec3d PointData::p(uint32_t i) const {
 
 Vec3d PointData::p_object(uint32_t i) const {
     if (const auto* f = field("Po")) return f->vec(i);
-    return world_to_object.point(p(i));
+    return world_to_reference.point(p(i));
 }
 
 Vec3d PointData::to_viewer(uint32_t i) const {
@@ -153,9 +153,33 @@ Vec3d PointData::generated(uint32_t i) const {
     if (const auto* f = field("generated")) return f->vec(i);
     if (world) return value(Global::Direction, i);
     if (!on_mesh()) return p_object(i);
+    return (world_to_object.point(p(i)) - mesh->texspace_location) / texspace_size() + Vec3d(0.5);
+}
+
+Vec3d PointData::texspace_size() const {
     Vec3d size = mesh->texspace_size * 2.0;
     for (int k = 0; k < 3; ++k) size[k] = size[k] == 0 ? 1 : size[k];
-    return (p_object(i) - mesh->texspace_location) / size + Vec3d(0.5);
+    return size;
+}
+
+Vec3d PointData::dgendx(uint32_t i, bool y) const {
+    if (const auto* f = field(y ? "dgendy" : "dgendx")) return f->vec(i);
+    const Vec3d step = dpdx(i, y);
+    if (world) return step;
+    if (!on_mesh()) return world_to_reference.vector(step);
+    return world_to_object.vector(step) / texspace_size();
+}
+
+/// Vertex normals are normalised in object space before they are interpolated; the sum is not. Zero: the node falls back on N.
+Vec3d PointData::normal_object(uint32_t i) const {
+    if (const auto* f = field("normal_object")) return f->vec(i);
+    if (!on_mesh() || world || mesh->vertex_normals.empty()) return Vec3d(0.0);
+    const Corners c = corners(i);
+    const double w[3] = {c.w0, c.w1, 1 - c.w0 - c.w1};
+    Vec3d sum(0.0);
+    if (!mesh->smooth.empty() && mesh->smooth[c.triangle])
+        for (int k = 0; k < 3; ++k) sum += safe_normalize(mesh->vertex_normals[mesh->triangles[c.triangle][k]]) * w[k];
+    return dot(sum, sum) > 0 ? sum : safe_normalize(object_to_world.transposed(backfacing(i) ? -ng(i) : ng(i)));
 }
 
 /// dP/du, dP/dv over a triangle with UVs; false where the UVs are degenerate.
@@ -274,6 +298,9 @@ Vec3d PointData::value(Global g, uint32_t i) const {
         case Global::Dpdu: return dpdu(i);
         case Global::Dpdx: return dpdx(i, false);
         case Global::Dpdy: return dpdx(i, true);
+        case Global::Dgendx: return dgendx(i, false);
+        case Global::Dgendy: return dgendx(i, true);
+        case Global::NormalObject: return normal_object(i);
         case Global::Duvdx: return duvdx(i, false);
         case Global::Duvdy: return duvdx(i, true);
         case Global::Tangent: return tangent(i);
@@ -307,6 +334,8 @@ Vec3d PointData::value(Global g, uint32_t i) const {
             if (on_mesh() && uv_gradient(corners(i), du, dv)) return dv;
             return cross(n(i), dpdu(i));
         }
+        case Global::Dpodx: return world_to_reference.vector(dpdx(i, false));
+        case Global::Dpody: return world_to_reference.vector(dpdx(i, true));
         case Global::TangentObject: return world_to_object.vector(tangent(i));
         case Global::Direction:
         case Global::Rd: return -to_viewer(i);

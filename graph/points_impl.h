@@ -41,6 +41,9 @@ struct PointData {
     bool world = false;
     std::map<std::string, PointField, std::less<>> fields, attributes;
     PointMatrix object_to_world, world_to_object;
+    /// Where Po lives: the object itself, or a reference object that the request names (Texture Coordinate's Object output).
+    PointMatrix reference_to_world, world_to_reference;
+    bool has_reference = false;
     PointCamera camera;
     std::string ray = "camera";
     std::shared_ptr<const PointMesh> mesh;
@@ -66,9 +69,12 @@ struct PointData {
     bool backfacing(uint32_t i) const;
     Vec3d uv(uint32_t i) const;
     Vec3d generated(uint32_t i) const;
+    Vec3d texspace_size() const;
     Vec3d dpdu(uint32_t i) const;
     Vec3d tangent(uint32_t i) const;
     Vec3d dpdx(uint32_t i, bool y) const;
+    Vec3d dgendx(uint32_t i, bool y) const;
+    Vec3d normal_object(uint32_t i) const;
     Vec3d duvdx(uint32_t i, bool y) const;
     Vec3d window(uint32_t i) const;
     double ray_length(uint32_t i) const;

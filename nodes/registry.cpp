@@ -43,7 +43,7 @@ struct GlobalRow {
 // Names are those of the reference tables where these have one.
 constexpr GlobalRow kGlobals[] = {
     {Global::P, 3, "P"}, {Global::N, 3, "N"}, {Global::Ng, 3, "Ng"}, {Global::I, 3, "I"}, {Global::Po, 3, "Po"},
-    {Global::Ns, 3, "Ns"}, {Global::Uv, 3, "uv"}, {Global::Generated, 3, "generated"}, {Global::Dpdu, 3, "dPdu"},
+    {Global::NormalObject, 3, "normal_object"}, {Global::Ns, 3, "Ns"}, {Global::Uv, 3, "uv"}, {Global::Generated, 3, "generated"}, {Global::Dpdu, 3, "dPdu"},
     {Global::Dpdv, 3, "dPdv"}, {Global::Dpdx, 3, "dPdx"}, {Global::Dpdy, 3, "dPdy"}, {Global::Duvdx, 3, "duvdx"},
     {Global::Duvdy, 3, "duvdy"}, {Global::Dpodx, 3, "dPodx"}, {Global::Dpody, 3, "dPody"},
     {Global::Dgendx, 3, "dgendx"}, {Global::Dgendy, 3, "dgendy"}, {Global::Tangent, 3, "T"}, {Global::TangentSign, 1, "tangent_sign"},
@@ -100,7 +100,7 @@ const NodeType* find_node(std::string_view name) {
 
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
     if (name.size() > 128) return {};
-    int best = static_cast<int>(name.size() / 3 + 2);
+    int best = static_cast<int>(std::min(name.size() / 3 + 2, name.size()));
     std::string found;
     for (const auto& c : candidates) {
         if (c.size() > 128) continue;

@@ -42,6 +42,7 @@ enum class Global : uint8_t {
     Ng,              ///< geometric normal, turned likewise
     I,               ///< unit direction towards the viewer
     Po,              ///< position, object space
+    NormalObject,    ///< interpolated vertex normal, object space, not normalised, not turned; zero where not known (NormalMap)
     Ns,              ///< shading normal without bump, not turned (alShaders)
     Uv,              ///< u, v, 0 of the active UV map
     Generated,       ///< Blender's generated coordinates
@@ -153,9 +154,16 @@ struct Statics {
     /// Numeric parameters: constant and 0 in every channel; unlinked and at the default. lobes() and uses() may rely on them:
     /// a constant that moves across either is a change of structure. Short or empty = not known.
     std::vector<bool> zero, at_default;
+    std::vector<char>* asked = nullptr;  ///< while compiling: parameters whose zero or default was looked at
     int e(int param) const { return enums[param]; }
-    bool is_zero(int param) const { return static_cast<size_t>(param) < zero.size() && zero[param]; }
-    bool is_default(int param) const { return static_cast<size_t>(param) < at_default.size() && at_default[param]; }
+    bool is_zero(int param) const { return fact(zero, param); }
+    bool is_default(int param) const { return fact(at_default, param); }
+
+  private:
+    bool fact(const std::vector<bool>& facts, int param) const {
+        if (asked) (*asked)[param] = 1;
+        return static_cast<size_t>(param) < facts.size() && facts[param];
+    }
 };
 
 /// One channel of an operand: stride 1 = one value a point, stride 0 = the same for all (then at least 16 copies lie at p).

@@ -28,6 +28,13 @@ HWY_AFTER_NAMESPACE();
 namespace alder {
 ALDER_KERNEL_EXPORT(al_remap_float)
 
+/// The correction matters only where the mask is positive.
+static std::vector<LazyRule> masked(const Statics&) {
+    std::vector<LazyRule> rules;
+    for (int param = 1; param <= 12; ++param) rules.push_back({param, 13, LazyRule::NeededIfPositive});
+    return rules;
+}
+
 ALDER_NODE {
     using namespace param;
     NodeType n;
@@ -42,6 +49,7 @@ ALDER_NODE {
     n.outputs = {{"out", Type::Float}};
     n.kernel = al_remap_float_kernel();
     n.cost_ns = 3;
+    n.lazy = masked;
     return n;
 }
 }  // namespace alder

@@ -1,0 +1,47 @@
+// The sum of alFractal over any basis of noise. alshaders specification, section 4.
+#if defined(ALDER_NODES_NOISE_AL_FRACTAL_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ALDER_NODES_NOISE_AL_FRACTAL_INL_H_
+#undef ALDER_NODES_NOISE_AL_FRACTAL_INL_H_
+#else
+#define ALDER_NODES_NOISE_AL_FRACTAL_INL_H_
+#endif
+
+#include "nodes/num/vec-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alder::HWY_NAMESPACE {
+
+template <class F>
+struct AlFractalParams {
+    F time, distortion, lacunarity, gain;
+    int octaves;
+    bool turbulent;
+};
+template <class F>
+HWY_INLINE F noise4(const auto& basis, Vec3<F> p, F t, F*) { return basis.perlin4(p, t); }
+template <class F>
+HWY_INLINE Vec3<F> noise4(const auto& basis, Vec3<F> p, F t, Vec3<F>*) { return basis.vnoise4(p, t); }
+template <class F>
+HWY_INLINE Vec3<F> abs(Vec3<F> a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
+
+/// V: F for the scalar mode, Vec3<F> for the vector mode. The sum is not divided by the amplitudes.
+template <class V, class Basis, class F>
+HWY_INLINE V al_fractal_sum(const Basis& basis, Vec3<F> p, const AlFractalParams<F>& f) {
+    V sum(F(0));
+    F amplitude(1);
+    const Mask<F> distorted = f.distortion != F(0);
+    for (int octave = 0; octave < f.octaves; ++octave) {
+        Vec3<F> q = p;
+        if (any(distorted)) q = select(distorted, p + f.distortion * basis.vnoise3(p), p);
+        V v = noise4(basis, q, f.time, static_cast<V*>(nullptr));
+        if (f.turbulent) v = abs(v);
+        sum += v * amplitude;
+        amplitude *= f.gain;
+        p *= f.lacunarity;
+    }
+    return sum;
+}
+
+}  // namespace alder::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
