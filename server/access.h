@@ -1,0 +1,43 @@
+// Access: who may ask. Bearer tokens, the Host and Origin checks that keep web pages away from a loopback daemon, and scopes.
+#pragma once
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/http/message.h"
+
+namespace alder {
+
+enum Scope : unsigned { kScopeNone = 0, kScopeRead = 1, kScopeRender = 2, kScopeEdit = 4, kScopeAdmin = 8 };
+
+class Access {
+  public:
+    std::vector<std::string> allowed_origins;
+    bool check_host = true;   ///< on loopback TCP without tokens
+
+    /// Reads "name:scopes:sha256-of-token[:quota=N]" lines. Empty, or a sentence that names file and line.
+    std::string load_tokens(const std::string& path);
+    std::string reload();   ///< the same file again; keeps the old tokens where it is wrong
+    bool uses_tokens() const;
+
+    /// Throws a Problem where the request may not go on; sets request.user.
+    void check(http::Request& request, unsigned scope) const;
+    /// The request's Origin where it is one that may read answers, else empty.
+    std::string cors_origin(const http::Request& request) const;
+
+  private:
+    struct Token {
+        std::string name, digest_hex;
+        unsigned scopes = 0;
+    };
+    static std::string parse(const std::string& path, std::vector<Token>& tokens);
+
+    mutable std::mutex mutex_;
+    std::string path_;
+    std::vector<Token> tokens_;
+};
+
+/// Whether a Host header's name is this machine's loopback: localhost, *.localhost, 127.0.0.0/8, [::1].
+bool is_loopback_host(const std::string& host);
+
+}  // namespace alder

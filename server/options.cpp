@@ -1,0 +1,48 @@
+// Options of the daemon: flags, ALDER_* environment variables, defaults.
+#include "server/options.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include <CLI/CLI.hpp>
+
+namespace alder {
+
+std::string default_data_folder() {
+    if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data) return std::string(data) + "/alder";
+    if (const char* home = std::getenv("HOME"); home && *home) return std::string(home) + "/.local/share/alder";
+    return "/var/lib/alder";
+}
+
+int parse_options(int argc, char** argv, ServiceOptions& o) {
+    CLI::App app{"alderd: renders graphs and scenes over HTTP"};
+    app.get_formatter()->column_width(34);
+    app.add_option("--listen", o.listen, "HOST:PORT, [IPV6]:PORT or unix:PATH; port 0 takes a free one")->envname("ALDER_LISTEN")->capture_default_str();
+    app.add_option("--data", o.data, "folder of assets and scenes")->envname("ALDER_DATA");
+    app.add_option("--threads", o.threads, "threads that render; 0 = all processors")->envname("ALDER_THREADS")->check(CLI::Range(0, 1024));
+    app.add_option("--token-file", o.token_file, "lines NAME:SCOPES:SHA256-OF-TOKEN; needed to listen beyond loopback")->envname("ALDER_TOKEN_FILE");
+    app.add_option("--asset-root", o.asset_roots, "folder below which documents may name files; repeatable")->envname("ALDER_ASSET_ROOT");
+    app.add_option("--allow-origin", o.allowed_origins, "web origin that may use this daemon; repeatable")->envname("ALDER_ALLOW_ORIGIN");
+    app.add_option("--port-file", o.port_file, "write HOST:PORT here once listening")->envname("ALDER_PORT_FILE");
+    app.add_option("--log-level", o.log_level, "debug, info, warn or error")->envname("ALDER_LOG_LEVEL")
+        ->check(CLI::IsMember({"debug", "info", "warn", "error"}))->capture_default_str();
+    app.add_option("--queue", o.queue, "requests that may wait for the engine, per kind")->envname("ALDER_QUEUE")->check(CLI::Range(0, 10000))->capture_default_str();
+    app.add_option("--cache-mib", o.cache_mib, "finished previews kept in memory")->envname("ALDER_CACHE_MIB")->check(CLI::Range(0, 1 << 20))->capture_default_str();
+    app.add_option("--max-body", o.limits.body_bytes, "bytes of a JSON body")->envname("ALDER_MAX_BODY")->check(CLI::Range(1024, 1 << 30))->capture_default_str();
+    app.add_option("--max-asset-gib", o.asset_gib, "the largest asset")->envname("ALDER_MAX_ASSET_GIB")->check(CLI::Range(1, 1024))->capture_default_str();
+    app.add_option("--max-connections", o.limits.connections, "connections open at once")->envname("ALDER_MAX_CONNECTIONS")->check(CLI::Range(1, 65536))->capture_default_str();
+    app.set_version_flag("--version", "alderd " ALDER_VERSION);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0) return app.exit(e);
+        std::fprintf(stderr, "alderd: %s\n", e.what());
+        return 2;
+    }
+    if (o.data.empty()) o.data = default_data_folder();
+    return -1;
+}
+
+}  // namespace alder

@@ -1,0 +1,31 @@
+// Options of the daemon: flags, ALDER_* environment variables, defaults.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "server/http/message.h"
+
+namespace alder {
+
+struct ServiceOptions {
+    std::string listen = "127.0.0.1:7420";
+    std::string data;                          ///< folder of assets and scenes; empty = default_data_folder()
+    std::string token_file;
+    std::string port_file;                     ///< written with "HOST:PORT" once listening
+    std::vector<std::string> asset_roots;      ///< folders below which documents may name files
+    std::vector<std::string> allowed_origins;
+    std::string log_level = "info";
+    int threads = 0;                           ///< of rendering; 0 = all processors
+    int64_t queue = 64;                        ///< requests that may wait for the engine, per kind
+    int64_t cache_mib = 256;                   ///< finished previews kept in memory
+    int64_t asset_gib = 4;                     ///< the largest asset
+    double stop_seconds = 8;                   ///< how long running requests may go on after SIGTERM
+    http::Limits limits;
+};
+
+std::string default_data_folder();
+
+/// Fills `options` from the command line and environment. Returns an exit status, or -1 to go on.
+int parse_options(int argc, char** argv, ServiceOptions& options);
+
+}  // namespace alder

@@ -1,0 +1,50 @@
+// Routes: all of them on one page, one line each.
+#pragma once
+#include <string>
+
+#include "server/http/message.h"
+
+namespace alder {
+
+class Service;
+using RouteHandler = http::Response (*)(Service&, http::Request&);
+
+struct RouteMatch {
+    bool path_known = false;
+    RouteHandler handler = nullptr;   ///< null: the path is known, the method is not there
+    unsigned scope = 0;
+    std::string allow;                ///< methods of this path
+};
+/// Fills request.route and request.parameters.
+RouteMatch match_route(http::Request& request);
+bool known_method(const std::string& method);
+
+// health.cpp
+http::Response get_home(Service&, http::Request&);
+http::Response get_livez(Service&, http::Request&);
+http::Response get_readyz(Service&, http::Request&);
+http::Response get_metrics(Service&, http::Request&);
+http::Response get_version(Service&, http::Request&);
+http::Response get_problem(Service&, http::Request&);
+// graphs.cpp
+http::Response get_nodes(Service&, http::Request&);
+http::Response get_node(Service&, http::Request&);
+http::Response post_evaluate(Service&, http::Request&);
+http::Response post_validate(Service&, http::Request&);
+// preview.cpp
+http::Response post_preview(Service&, http::Request&);
+// asset_routes.cpp
+http::Response get_asset(Service&, http::Request&);
+http::Response put_asset(Service&, http::Request&);
+http::Response delete_asset(Service&, http::Request&);
+http::Response post_assets_missing(Service&, http::Request&);
+// scene_routes.cpp
+http::Response post_scenes(Service&, http::Request&);
+http::Response get_scene(Service&, http::Request&);
+http::Response delete_scene(Service&, http::Request&);
+http::Response get_scene_material(Service&, http::Request&);
+http::Response put_scene_material(Service&, http::Request&);
+// renders.cpp
+http::Response post_renders(Service&, http::Request&);
+
+}  // namespace alder

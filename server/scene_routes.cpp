@@ -1,0 +1,148 @@
+// /v1/scenes: documents and containers, and their materials one by one.
+#include <fmt/format.h>
+
+#include "server/digest.h"
+#include "server/members.h"
+#include "server/negotiate.h"
+#include "server/routes.h"
+#include "server/service.h"
+
+namespace alder {
+namespace {
+
+std::string graph_etag(const nlohmann::json& graph) {
+    return "\"" + sha256_hex(graph.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)).substr(0, 32) + "\"";
+}
+
+nlohmann::json scene_json(const SceneRevision& scene, const LoadedScene& loaded) {
+    const Scene& s = *loaded.scene;
+    nlohmann::json materials = nlohmann::json::array();
+    for (const auto& m : s.materials) materials.push_back(m.name);
+    uint64_t triangles = 0;
+    for (const auto& mesh : s.meshes) triangles += mesh->triangles.size();
+    nlohmann::json cameras = nlohmann::json::array({s.camera.name});
+    for (const auto& c : s.other_cameras) cameras.push_back(c.name);
+    nlohmann::json j = {{"id", scene.id},
+                        {"revision", scene.revision},
+                        {"etag", scene.etag},
+                        {"materials", std::move(materials)},
+                        {"cameras", std::move(cameras)},
+                        {"resolution", {s.settings.width, s.settings.height}},
+                        {"samples", s.settings.samples},
+                        {"statistics", {{"meshes", s.meshes.size()}, {"instances", s.instances.size()}, {"triangles", triangles}, {"lights", s.lights.size()}}},
+                        {"assets", scene.assets},
+                        {"warnings", s.warnings}};
+    if (scene.source.contains("container")) j["container"] = scene.source["container"];
+    return j;
+}
+
+bool query_lenient(const http::Request& request) {
+    for (const auto& [name, value] : request.query) {
+        if (name == "lenient" && (value == "true" || value == "false")) return value == "true";
+        throw Problem{"malformed-request", fmt::format("the query member '{}={}' is not known; lenient=true or lenient=false", name, value)};
+    }
+    return false;
+}
+
+}  // namespace
+
+http::Response post_scenes(Service& s, http::Request& request) {
+    best_type(request, {"application/json"});
+    bool lenient = query_lenient(request);
+    nlohmann::json body = s.read_json(request);
+    Diagnostics d;
+    nlohmann::json source;
+    if (body.is_object() && body.contains("container")) {
+        Members m(body, "", d);
+        std::string container;
+        m.text("container", container);
+        m.boolean("lenient", lenient);
+        m.finish(lenient);
+        if (d.ok() && digest_hex(container).empty())
+            m.fault("container", "wrong-type", brief(container), "sha256: and 64 lower-case hexadecimal digits");
+        source = {{"container", container}};
+    } else {
+        Members m(body, "", d);   // faults of what is not an object
+        source = {{"document", std::move(body)}};
+    }
+    if (!d.ok()) throw problem_from("request-invalid", d);
+    http::Response response;
+    s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
+        const auto scene = s.scenes.create(s.engine, s.assets, std::move(source), lenient, d);
+        nlohmann::json j = scene_json(*scene, *s.scenes.load(s.engine, s.assets, *scene, d));
+        for (const auto& w : d.warnings) j["warnings"].push_back(w.line());
+        response = json_response(201, j);
+        response.set("Location", "/v1/scenes/" + scene->id);
+        response.set("ETag", scene->etag);
+        response.set("Alder-Warnings", std::to_string(j["warnings"].size()));
+    });
+    return response;
+}
+
+http::Response get_scene(Service& s, http::Request& request) {
+    best_type(request, {"application/json"});
+    const auto scene = s.scenes.get(request.parameters["id"]);
+    http::Response response;
+    if (none_match_names(request, scene->etag)) {
+        response.status = 304;
+    } else {
+        s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
+            Diagnostics d;
+            response = json_response(200, scene_json(*scene, *s.scenes.load(s.engine, s.assets, *scene, d)));
+        });
+    }
+    response.set("ETag", scene->etag);
+    response.set("Cache-Control", "no-cache");
+    return response;
+}
+
+http::Response delete_scene(Service& s, http::Request& request) {
+    s.scenes.remove(request.parameters["id"]);
+    http::Response r;
+    r.status = 204;
+    return r;
+}
+
+http::Response get_scene_material(Service& s, http::Request& request) {
+    best_type(request, {"application/json"});
+    const auto scene = s.scenes.get(request.parameters["id"]);
+    const std::string name = request.parameters["name"];
+    http::Response response;
+    s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
+        Diagnostics d;
+        const auto loaded = s.scenes.load(s.engine, s.assets, *scene, d);
+        const size_t index = loaded->material_index(name);
+        if (index == loaded->scene->materials.size()) throw Problem{"not-found", fmt::format("the scene has no material '{}'", name)};
+        const auto& graph = loaded->scene->materials[index].graph->document();
+        const std::string etag = graph_etag(graph);
+        if (none_match_names(request, etag))
+            response.status = 304;
+        else
+            response = json_response(200, graph);
+        response.set("ETag", etag);
+        response.set("Cache-Control", "no-cache");
+    });
+    return response;
+}
+
+http::Response put_scene_material(Service& s, http::Request& request) {
+    best_type(request, {"application/json"});
+    const bool lenient = query_lenient(request);
+    const std::string id = request.parameters["id"], name = request.parameters["name"];
+    s.scenes.get(id);   // 404 before 428
+    if (!request.header("if-match")) require_match(request, "GET it first");
+    const nlohmann::json graph = s.read_json(request);
+    http::Response response;
+    s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
+        Diagnostics d;
+        const auto edit = s.scenes.put_material(s.engine, s.assets, id, name, graph, lenient,
+                                                [&](const nlohmann::json& current) { require_match(request, graph_etag(current)); }, d);
+        const nlohmann::json changed = edit.rebuild == "none" ? nlohmann::json::array() : nlohmann::json::array({"materials/" + name});
+        response = json_response(200, {{"changed", changed}, {"rebuild", edit.rebuild}, {"scene", {{"revision", edit.scene->revision}, {"etag", edit.scene->etag}}},
+                                       {"warnings", to_json(d.warnings)}});
+        response.set("ETag", graph_etag(graph));
+    });
+    return response;
+}
+
+}  // namespace alder
