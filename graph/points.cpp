@@ -299,6 +299,10 @@ void PointSet::append(const ProgramInput& in, std::vector<ChannelValues>& channe
                 const auto* b = s.field("barycentric");
                 return converted(s.mesh->interpolate(*a, static_cast<uint32_t>(s.field("triangle")->at(i, 0)), b->at(i, 0), b->at(i, 1)), a->channels);
             });
+        } else if (in.attribute.ends_with(".tangent") && (s.field("tangent_object") || in.attribute == s.active_uv() + ".tangent")) {
+            set(s.varies() ? s.count : 1, [&](uint32_t i) { return s.value(Global::TangentObject, i); });
+        } else if (in.attribute.ends_with(".tangent_sign") && (s.field("tangent_sign") || in.attribute == s.active_uv() + ".tangent_sign")) {
+            set(s.varies() ? s.count : 1, [&](uint32_t i) { return std::array<double, 1>{s.scalar(Global::TangentSign, i)}; });
         } else {
             set(1, [](uint32_t) { return std::array<double, 4>{}; });
         }

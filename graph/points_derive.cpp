@@ -336,7 +336,7 @@ Vec3d PointData::value(Global g, uint32_t i) const {
         }
         case Global::Dpodx: return world_to_reference.vector(dpdx(i, false));
         case Global::Dpody: return world_to_reference.vector(dpdx(i, true));
-        case Global::TangentObject: return world_to_object.vector(tangent(i));
+        case Global::TangentObject: return world ? Vec3d(0.0) : world_to_object.vector(tangent(i));
         case Global::Direction:
         case Global::Rd: return -to_viewer(i);
         case Global::Reflection: return n(i) * (2 * dot(n(i), to_viewer(i))) - to_viewer(i);
@@ -362,7 +362,7 @@ double PointData::scalar(Global g, uint32_t i) const {
         case Global::RayDepth: return world ? 1 : 0;  // Cycles counts the background as a bounce
         case Global::FaceIndex: return field("triangle") ? field("triangle")->at(i, 0) : 0;
         case Global::FootprintArea: return footprint(i) * footprint(i);
-        case Global::BarycentricU: return field("barycentric") ? field("barycentric")->at(i, 0) : 0;
+        case Global::BarycentricU: return field("barycentric") ? field("barycentric")->at(i, 0) : world ? 1 : 0;
         case Global::BarycentricV: return field("barycentric") ? field("barycentric")->at(i, 1) : 0;
         default: return 0;
     }

@@ -52,6 +52,7 @@ struct PointData {
         const auto it = fields.find(name);
         return it == fields.end() ? nullptr : &it->second;
     }
+    std::string active_uv() const { return mesh ? mesh->active_uv : std::string(); }
     bool on_mesh() const { return mesh && field("triangle") && field("barycentric"); }
     /// Whether anything but attributes differs from point to point.
     bool varies() const;
