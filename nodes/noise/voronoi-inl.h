@@ -421,8 +421,8 @@ struct VoronoiOctaves {
         remainder = detail - floor(detail);
         single = (detail == F(0)) | (q.roughness == F(0));
     }
-    HWY_INLINE Mask<F> full(int i) const { return !single & (F(i) <= detail); }
-    HWY_INLINE Mask<F> partial(int i) const { return !single & (F(i) > detail) & (F(i) == ceil(detail)); }
+    HWY_INLINE Mask<F> full(int i) const { return (F(i) <= detail) & (!single); }
+    HWY_INLINE Mask<F> partial(int i) const { return (F(i) > detail) & (F(i) == ceil(detail)) & (!single); }
 };
 template <class F>
 HWY_INLINE F voronoi_lerp(F a, F b, F t) { return mad(t, b - a, a); }
