@@ -205,7 +205,8 @@ class Reader {
         out.kind = DocValue::Link;
     }
 
-    bool read_link(const json& value, const std::string& pointer, DocLink& out, int depth = 0) {
+    /// `preferred`: the output meant where none is named and the node has several.
+    bool read_link(const json& value, const std::string& pointer, DocLink& out, int depth = 0, const char* preferred = nullptr) {
         if (!value.is_object() || !value.contains("node") || !value["node"].is_string()) {
             error(pointer, "wrong-type", shown(value), "a link {\"node\": NAME, \"output\": SOCKET}");
             return false;
@@ -218,7 +219,7 @@ class Reader {
                 error(pointer, depth > 1000 ? "cycle" : "unlinked", "reroute " + name, "a reroute with a linked Input");
                 return false;
             }
-            if (!read_link((*params)["Input"], "/nodes/" + pointer_token(name) + "/params/Input", out, depth + 1)) return false;
+            if (!read_link((*params)["Input"], "/nodes/" + pointer_token(name) + "/params/Input", out, depth + 1, preferred)) return false;
         } else {
             const auto it = index_.find(name);
             if (it == index_.end()) {
@@ -244,6 +245,8 @@ class Reader {
             } else if (value.contains("output")) {
                 error(pointer + "/output", "wrong-type", shown(value["output"]), "an output name");
                 return false;
+            } else if (preferred && type->output_index(preferred) >= 0) {
+                out.output = type->output_index(preferred);
             } else if (type->outputs.size() != 1 && type->system == System::Cycles) {
                 std::vector<std::string> names;
                 for (const auto& o : type->outputs) names.push_back(o.name);
@@ -274,7 +277,7 @@ class Reader {
         const auto closure = [&](const char* name, DocLink& link) {
             if (!o.contains(name) || o[name].is_null()) return;
             const std::string pointer = std::string("/outputs/") + name;
-            if (read_link(o[name], pointer, link) && pending_[link.node].node->type->outputs[link.output].type != Type::Closure) {
+            if (read_link(o[name], pointer, link, 0, "Surface") && pending_[link.node].node->type->outputs[link.output].type != Type::Closure) {
                 error(pointer, "wrong-type", pending_[link.node].node->type->name, "a surface or closure node");
                 link.node = -1;
             }
@@ -282,7 +285,8 @@ class Reader {
         closure("surface", out.surface);
         if (o.contains("volume") && !o["volume"].is_null())
             error("/outputs/volume", "unsupported", "a volume", "a graph without volume output: volumes are not available in this version");
-        if (o.contains("displacement") && !o["displacement"].is_null()) read_link(o["displacement"], "/outputs/displacement", out.displacement);
+        if (o.contains("displacement") && !o["displacement"].is_null()) 
+            read_link(o["displacement"], "/outputs/displacement", out.displacement, 0, "Displacement");
         if (!o.contains("aovs")) return;
         if (!o["aovs"].is_object()) return error("/outputs/aovs", "wrong-type", shown(o["aovs"]), "links by AOV name");
         for (const auto& [name, value] : o["aovs"].items()) {

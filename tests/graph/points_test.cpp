@@ -167,10 +167,14 @@ TEST(points, what_is_derived_from_the_mesh_is_what_the_renderer_had) {
         }
         const auto length = values(p, global_input(Global::RayLength));
         const auto window = values(p, global_input(Global::Window));
-        for (size_t i = 0; i < 400; ++i) {
+        for (size_t i = 0; i < c["points"].get<size_t>(); ++i) {
             ASSERT_GT(at(length, 0, i), 0);
-            // One sample in the middle of each pixel of 20 x 20, row by row from below.
-            ASSERT_NEAR(at(window, 0, i), (i % 20 + 0.5) / 20, 2e-3) << "point " << i;
+            // One sample in the middle of each pixel of 20 x 20.
+            for (int k = 0; k < 2; ++k) {
+                const double pixel = at(window, k, i) * 20;
+                ASSERT_NEAR(pixel - std::floor(pixel), 0.5, 0.02) << "point " << i << ", raster position " << pixel;
+                ASSERT_TRUE(pixel > 0 && pixel < 20) << "point " << i << ", raster position " << pixel;
+            }
         }
     }
     EXPECT_GT(compared, 0);

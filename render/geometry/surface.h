@@ -1,0 +1,97 @@
+// Surfaces: the meshes and instances of a scene with all that a hit needs, and the shading point derived from a hit.
+//
+// Immutable after construction apart from tables made on first use (tangents, islands, pointiness); thread safe; shared by
+// scene revisions that differ in materials only.
+#pragma once
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/accel.h"
+#include "render/scene.h"
+
+namespace alder {
+
+/// Tables that few programs read: made when the first one asks.
+class MeshTables {
+  public:
+    explicit MeshTables(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)) {}
+    struct TangentTable {
+        std::vector<Vec3f> tangents;  ///< per corner, object space
+        std::vector<float> signs;
+    };
+    const TangentTable& tangents() const;
+    /// One number in 0..1 per triangle: the same over a connected part.
+    const std::vector<float>& island_random() const;
+    /// Per point, 0 concave .. 0.5 flat .. 1 convex.
+    const std::vector<float>& pointiness() const;
+
+  private:
+    std::shared_ptr<const Mesh> mesh_;
+    mutable std::once_flag tangents_once_, islands_once_, pointiness_once_;
+    mutable TangentTable tangents_;
+    mutable std::vector<float> islands_, pointiness_;
+};
+
+struct InstanceFrame {
+    Transform object_to_world, world_to_object;
+    std::array<float, 9> normal_to_world{};  ///< inverse transpose, row major
+    float position_error = 0;                ///< rounding of a position through these matrices, relative to the mesh: see surface.cpp
+    float stretch = 1;                       ///< largest row sum of the linear part
+    Vec3f normal(Vec3f n) const {
+        const auto& m = normal_to_world;
+        return {m[0] * n.x + m[1] * n.y + m[2] * n.z, m[3] * n.x + m[4] * n.y + m[5] * n.z, m[6] * n.x + m[7] * n.y + m[8] * n.z};
+    }
+};
+
+/// A point to be shaded. Normals are turned towards wo; `wo` points against the ray.
+struct ShadingPoint {
+    Vec3f p, ng, n, wo;
+    float u = 0, v = 0;          ///< barycentrics as in Hit
+    uint32_t instance = kNothing, triangle = 0;
+    float distance = 0;          ///< along the ray
+    float footprint = 0;         ///< half a pixel's width here (ray cone radius)
+    float error = 0;             ///< bound of the rounding error of p, world units
+    bool backfacing = false;
+};
+
+class Surfaces {
+  public:
+    Surfaces(std::vector<std::shared_ptr<const Mesh>> meshes, std::vector<Instance> instances);
+
+    const std::vector<Instance>& instances() const { return instances_; }
+    const std::vector<std::shared_ptr<const Mesh>>& meshes() const { return meshes_; }
+    const InstanceFrame& frame(uint32_t instance) const { return frames_[instance]; }
+    const Mesh& mesh_of(uint32_t instance) const { return *meshes_[instances_[instance].mesh]; }
+    const MeshTables& tables_of(uint32_t instance) const { return *tables_[instances_[instance].mesh]; }
+    const Accel& accel() const { return accel_; }
+
+    /// Index into Scene::materials.
+    uint32_t material(uint32_t instance, uint32_t triangle) const {
+        const Instance& i = instances_[instance];
+        const Mesh& m = *meshes_[i.mesh];
+        if (i.materials.size() == 1 || m.face_material.empty()) return i.materials[0];
+        return i.materials[std::min<size_t>(m.face_material[triangle], i.materials.size() - 1)];
+    }
+    /// All but `footprint`.
+    ShadingPoint point(uint32_t instance, uint32_t triangle, float u, float v, Vec3f direction, float distance) const;
+    /// Corners in world space.
+    std::array<Vec3f, 3> world_triangle(uint32_t instance, uint32_t triangle) const;
+
+  private:
+    std::vector<std::shared_ptr<const Mesh>> meshes_;
+    std::vector<std::unique_ptr<MeshTables>> tables_;
+    std::vector<Instance> instances_;
+    std::vector<InstanceFrame> frames_;
+    Accel accel_;
+};
+
+/// Start of a ray that leaves `point` on the side of `direction`, clear of the surface by its rounding error.
+inline Vec3f leave_surface(const ShadingPoint& point, Vec3f direction) {
+    const Vec3f step = point.ng * point.error;
+    return dot(point.ng, direction) < 0 ? point.p - step : point.p + step;
+}
+
+}  // namespace alder

@@ -1,0 +1,332 @@
+// Program inputs: one loop over the batch per global.
+#include "render/inputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/sampling.h"
+
+namespace alder {
+namespace {
+
+const InstanceFrame kIdentityFrame = [] {
+    InstanceFrame f;
+    f.normal_to_world = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    return f;
+}();
+
+Vec3f column(const Transform& t, int c) { return {t.m[c], t.m[4 + c], t.m[8 + c]}; }
+
+struct UvTriangle {
+    Vec3f uv[3];
+    bool present = false;
+};
+
+/// Number `c` of `wanted` from a stored value of `have` numbers: 1 spreads; a colour to one is its mean; a missing third is 0,
+/// a missing alpha 1 (Cycles' Attribute node).
+float converted(const float* v, int have, int wanted, int c) {
+    if (wanted == 1) return have <= 2 ? v[0] : (v[0] + v[1] + v[2]) / 3;
+    if (c == 3) return have == 4 ? v[3] : 1;
+    return have == 1 ? v[0] : c < have ? v[c] : 0;
+}
+
+/// Access to one batch: geometry behind each point, with the world and lamps (no instance) as identity.
+struct Batch {
+    const InputScene& scene;
+    std::span<const ShadingPoint> points;
+    const RayHistory* const* history;
+
+    const ShadingPoint& at(size_t i) const { return points[i]; }
+    bool on_mesh(size_t i) const { return points[i].instance != kNothing; }
+    const InstanceFrame& frame(size_t i) const { return on_mesh(i) ? scene.surfaces->frame(points[i].instance) : kIdentityFrame; }
+    const Mesh& mesh(size_t i) const { return scene.surfaces->mesh_of(points[i].instance); }
+    const Instance& instance(size_t i) const { return scene.surfaces->instances()[points[i].instance]; }
+
+    Vec3f unturned(size_t i, Vec3f n) const { return points[i].backfacing ? -n : n; }
+    Vec3f p_object(size_t i) const {
+        if (!on_mesh(i)) return points[i].p;
+        const Mesh& m = mesh(i);
+        const ShadingPoint& s = points[i];
+        const auto& t = m.triangles[s.triangle];
+        return m.positions[t[0]] * (1 - s.u - s.v) + m.positions[t[1]] * s.u + m.positions[t[2]] * s.v;
+    }
+    UvTriangle uv_corners(size_t i) const {
+        UvTriangle r;
+        if (!on_mesh(i)) return r;
+        const Mesh& m = mesh(i);
+        if (m.uv.size() < 3 * m.triangles.size()) return r;
+        r.present = true;
+        for (int k = 0; k < 3; ++k) {
+            const auto& uv = m.uv[size_t{3} * points[i].triangle + k];
+            r.uv[k] = {uv[0], uv[1], 0};
+        }
+        return r;
+    }
+    Vec3f uv(size_t i) const {
+        const ShadingPoint& s = points[i];
+        if (!on_mesh(i)) return {s.u, s.v, 0};
+        const UvTriangle t = uv_corners(i);
+        if (!t.present) return Vec3f(0.f);
+        return t.uv[0] * (1 - s.u - s.v) + t.uv[1] * s.u + t.uv[2] * s.v;
+    }
+    /// Texture space: Blender's "generated" coordinates. A side without extent counts as 1 long.
+    Vec3f generated_scale(size_t i) const {
+        const auto& b = mesh(i).generated_bounds;
+        Vec3f d = b[1] - b[0];
+        for (int k = 0; k < 3; ++k) d[k] = d[k] != 0 ? 1 / d[k] : 1.f;
+        return d;
+    }
+    Vec3f generated(size_t i) const {
+        if (!on_mesh(i)) return points[i].p;
+        const auto& b = mesh(i).generated_bounds;
+        return (p_object(i) - (b[0] + b[1]) * 0.5f) * generated_scale(i) + Vec3f(0.5f);
+    }
+    bool uv_gradient(size_t i, Vec3f& du, Vec3f& dv) const {
+        const UvTriangle t = uv_corners(i);
+        if (!t.present) return false;
+        const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
+        const Vec3f e1 = p[1] - p[0], e2 = p[2] - p[0], t1 = t.uv[1] - t.uv[0], t2 = t.uv[2] - t.uv[0];
+        const float det = t1.x * t2.y - t2.x * t1.y;
+        if (det == 0 || !std::isfinite(1 / det)) return false;
+        du = (e1 * t2.y - e2 * t1.y) * (1 / det);
+        dv = (e2 * t1.x - e1 * t2.x) * (1 / det);
+        return is_finite(du) && is_finite(dv);
+    }
+    Vec3f dpdu(size_t i) const {
+        Vec3f du, dv;
+        if (uv_gradient(i, du, dv)) return du;
+        return on_mesh(i) ? frame_about(points[i].n).x : Vec3f(0.f);
+    }
+    Vec3f dpdv(size_t i) const {
+        Vec3f du, dv;
+        if (uv_gradient(i, du, dv)) return dv;
+        return on_mesh(i) ? frame_about(points[i].n).y : Vec3f(0.f);
+    }
+    Vec3f dpdx(size_t i, bool y) const {
+        const Frame f = cycles_frame(points[i].ng);
+        return (y ? f.y : f.x) * points[i].footprint;
+    }
+    Vec3f duvdx(size_t i, bool y) const {
+        Vec3f du, dv;
+        if (!uv_gradient(i, du, dv)) return Vec3f(0.f);
+        // Least squares: step = s du + t dv within the plane of the triangle.
+        const Vec3f step = dpdx(i, y);
+        const float a = dot(du, du), b = dot(du, dv), c = dot(dv, dv), det = a * c - b * b;
+        if (!(std::abs(det) > 0)) return Vec3f(0.f);
+        const float p = dot(step, du), q = dot(step, dv);
+        return {(p * c - q * b) / det, (q * a - p * b) / det, 0};
+    }
+    Vec3f tangent_object(size_t i) const {
+        if (!on_mesh(i)) return {1, 0, 0};
+        const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
+        const ShadingPoint& s = points[i];
+        if (!table.tangents.empty()) {
+            const Vec3f* const t = table.tangents.data() + size_t{3} * s.triangle;
+            return t[0] * (1 - s.u - s.v) + t[1] * s.u + t[2] * s.v;
+        }
+        // Without a UV map Cycles takes the rotation about the object's Z axis.
+        const Vec3f g = generated(i);
+        return {-(g.y - 0.5f), g.x - 0.5f, 0};
+    }
+    float tangent_sign(size_t i) const {
+        if (!on_mesh(i)) return 1;
+        const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
+        return table.signs.empty() ? 1 : table.signs[size_t{3} * points[i].triangle];
+    }
+
+    Vec3f vec3(Global g, size_t i) const;
+    float scalar(Global g, size_t i) const;
+};
+
+Vec3f Batch::vec3(Global g, size_t i) const {
+    const ShadingPoint& s = points[i];
+    switch (g) {
+        case Global::P: return s.p;
+        case Global::N: return s.n;
+        case Global::Ng: return s.ng;
+        case Global::I: return s.wo;
+        case Global::Po: return p_object(i);
+        case Global::Ns:
+        case Global::Nu: return unturned(i, s.n);
+        case Global::Ngu: return unturned(i, s.ng);
+        case Global::Nf: return dot(s.n, s.wo) < 0 ? -s.n : s.n;
+        case Global::Ngf: return s.ng;
+        case Global::Uv: return uv(i);
+        case Global::Generated: return generated(i);
+        case Global::Dpdu: return dpdu(i);
+        case Global::Dpdv: return dpdv(i);
+        case Global::Dpdx: return dpdx(i, false);
+        case Global::Dpdy: return dpdx(i, true);
+        case Global::Duvdx: return duvdx(i, false);
+        case Global::Duvdy: return duvdx(i, true);
+        case Global::Dpodx: return frame(i).world_to_object.vector(dpdx(i, false));
+        case Global::Dpody: return frame(i).world_to_object.vector(dpdx(i, true));
+        case Global::Dgendx: return on_mesh(i) ? frame(i).world_to_object.vector(dpdx(i, false)) * generated_scale(i) : dpdx(i, false);
+        case Global::Dgendy: return on_mesh(i) ? frame(i).world_to_object.vector(dpdx(i, true)) * generated_scale(i) : dpdx(i, true);
+        case Global::Tangent: return safe_normalize(frame(i).object_to_world.vector(tangent_object(i)));
+        case Global::TangentObject: return tangent_object(i);
+        case Global::Direction:
+        case Global::Rd: return -s.wo;
+        case Global::Window: return scene.camera->window(s.p);
+        case Global::Reflection: return s.n * (2 * dot(s.n, s.wo)) - s.wo;
+        case Global::ObjectToWorldX: return column(frame(i).object_to_world, 0);
+        case Global::ObjectToWorldY: return column(frame(i).object_to_world, 1);
+        case Global::ObjectToWorldZ: return column(frame(i).object_to_world, 2);
+        case Global::ObjectToWorldT:
+        case Global::ObjectLocation: return column(frame(i).object_to_world, 3);
+        case Global::WorldToObjectX: return column(frame(i).world_to_object, 0);
+        case Global::WorldToObjectY: return column(frame(i).world_to_object, 1);
+        case Global::WorldToObjectZ: return column(frame(i).world_to_object, 2);
+        case Global::WorldToObjectT: return column(frame(i).world_to_object, 3);
+        case Global::WorldToCameraX: return column(scene.camera->world_to_camera(), 0);
+        case Global::WorldToCameraY: return column(scene.camera->world_to_camera(), 1);
+        case Global::WorldToCameraZ: return column(scene.camera->world_to_camera(), 2);
+        // At infinity the point is a direction: camera space is turned but not moved.
+        case Global::WorldToCameraT: return on_mesh(i) ? column(scene.camera->world_to_camera(), 3) : Vec3f(0.f);
+        case Global::Ro: return history[i]->origin;
+        case Global::ObjectColor: return on_mesh(i) ? instance(i).color : Vec3f(1.f);
+        case Global::Ld:
+        default: return Vec3f(0.f);
+    }
+}
+
+float Batch::scalar(Global g, size_t i) const {
+    const ShadingPoint& s = points[i];
+    const RayHistory& ray = *history[i];
+    const auto kind = [&](uint32_t bit) { return ray.kinds & bit ? 1.f : 0.f; };
+    switch (g) {
+        case Global::TangentSign: return tangent_sign(i);
+        case Global::Backfacing: return s.backfacing ? 1 : 0;
+        case Global::RayLength: return s.distance;
+        case Global::RayDepth: return ray.depth;
+        case Global::DiffuseDepth: return ray.diffuse;
+        case Global::GlossyDepth: return ray.glossy;
+        case Global::TransmissionDepth: return ray.transmission;
+        case Global::TransparentDepth: return ray.transparent;
+        case Global::IsCameraRay: return kind(kRayCamera);
+        case Global::IsShadowRay: return kind(kRayShadow);
+        case Global::IsDiffuseRay: return kind(kRayDiffuse);
+        case Global::IsGlossyRay: return kind(kRayGlossy);
+        case Global::IsSingularRay: return kind(kRaySingular);
+        case Global::IsReflectionRay: return kind(kRayReflection);
+        case Global::IsTransmissionRay: return kind(kRayTransmission);
+        case Global::IsVolumeRay: return kind(kRayVolume);
+        case Global::FaceIndex: return static_cast<float>(s.triangle);
+        case Global::FootprintArea: return s.footprint * s.footprint;
+        case Global::ObjectIndex: return on_mesh(i) ? static_cast<float>(instance(i).pass_index) : 0.f;
+        case Global::MaterialIndex: {
+            if (!on_mesh(i)) return 0;
+            const uint32_t m = scene.surfaces->material(s.instance, s.triangle);
+            return m < scene.material_pass_index.size() ? static_cast<float>(scene.material_pass_index[m]) : 0.f;
+        }
+        case Global::ObjectRandom: return on_mesh(i) ? instance(i).random : 0.f;
+        case Global::IslandRandom: return on_mesh(i) ? scene.surfaces->tables_of(s.instance).island_random()[s.triangle] : 0.f;
+        case Global::Pointiness: {
+            if (!on_mesh(i)) return 0;
+            const auto& table = scene.surfaces->tables_of(s.instance).pointiness();
+            const auto& t = mesh(i).triangles[s.triangle];
+            return table[t[0]] * (1 - s.u - s.v) + table[t[1]] * s.u + table[t[2]] * s.v;
+        }
+        case Global::BarycentricU: return 1 - s.u - s.v;  // Cycles' Parametric: weights of the first and second corner
+        case Global::BarycentricV: return s.u;
+        case Global::PixelFootprint: return s.footprint;
+        case Global::PreviousAlpha: return ray.previous_alpha;
+        case Global::Time:
+        default: return 0;
+    }
+}
+
+/// The same for every point of a batch from one instance.
+bool is_per_instance(Global g) {
+    return (g >= Global::ObjectToWorldX && g <= Global::WorldToObjectT) || g == Global::ObjectLocation ||
+           g == Global::ObjectColor || g == Global::ObjectIndex || g == Global::ObjectRandom;
+}
+bool is_constant(Global g) {
+    return (g >= Global::WorldToCameraX && g <= Global::WorldToCameraZ) || g == Global::Time || g == Global::Ld;
+}
+
+void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, float* out) {
+    const auto read = [&](size_t element, float weight) {
+        for (int c = 0; c < a.channels; ++c) {
+            const size_t k = element * a.channels + c;
+            out[c] += k < a.values.size() ? weight * a.values[k] : 0.f;
+        }
+    };
+    std::fill(out, out + 4, 0.f);
+    const float weight[3] = {1 - s.u - s.v, s.u, s.v};
+    switch (a.domain) {
+        case Domain::Mesh: return read(0, 1);
+        case Domain::Face: return read(s.triangle, 1);
+        case Domain::Point:
+            for (int k = 0; k < 3; ++k) read(mesh.triangles[s.triangle][k], weight[k]);
+            return;
+        case Domain::Corner:
+            for (int k = 0; k < 3; ++k) read(size_t{3} * s.triangle + k, weight[k]);
+            return;
+    }
+}
+
+}  // namespace
+
+InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
+    for (const ProgramInput& in : program.inputs()) {
+        Entry e{in, {}};
+        if (in.is_attribute) {
+            e.attribute_by_mesh.assign(surfaces.meshes().size(), nullptr);
+            for (size_t m = 0; m < surfaces.meshes().size(); ++m)
+                for (const Attribute& a : surfaces.meshes()[m]->attributes)
+                    if (a.name == in.attribute && a.channels >= 1 && a.channels <= 4) e.attribute_by_mesh[m] = &a;
+        }
+        channels_ += in.channels;
+        entries_.push_back(std::move(e));
+    }
+}
+
+std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const InputScene& scene,
+                                                    std::span<const ShadingPoint> points, const RayHistory* const* history) {
+    const size_t n = points.size();
+    const size_t padded = (n + kPadding - 1) / kPadding * kPadding;
+    if (memory_.size() < padded * plan.channels()) memory_.resize(padded * plan.channels());
+    channels_.resize(plan.channels());
+    bool one_instance = true;
+    for (const ShadingPoint& s : points) one_instance = one_instance && s.instance == points[0].instance;
+
+    const Batch batch{scene, points, history};
+    float* next = memory_.data();
+    size_t channel = 0;
+    for (const InputPlan::Entry& e : plan.entries()) {
+        const int width = e.input.channels;
+        const Global g = e.input.global;
+        const bool uniform = !e.input.is_attribute && (is_constant(g) || (one_instance && is_per_instance(g)));
+        const size_t count = uniform ? 1 : n, rows = uniform ? kPadding : padded;
+        float* const out = next;
+        if (e.input.is_attribute) {
+            for (size_t i = 0; i < count; ++i) {
+                const ShadingPoint& s = points[i];
+                const Attribute* const a =
+                    s.instance != kNothing ? e.attribute_by_mesh[scene.surfaces->instances()[s.instance].mesh] : nullptr;
+                float v[4] = {};
+                if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
+                for (int c = 0; c < width; ++c) out[rows * c + i] = a ? converted(v, a->channels, width, c) : 0.f;
+            }
+        } else if (width == 1) {
+            for (size_t i = 0; i < count; ++i) out[i] = batch.scalar(g, i);
+        } else {
+            for (size_t i = 0; i < count; ++i) {
+                const Vec3f v = batch.vec3(g, i);
+                out[i] = v.x;
+                out[rows + i] = v.y;
+                out[2 * rows + i] = v.z;
+            }
+        }
+        for (int c = 0; c < width; ++c) {
+            // Padding lanes repeat the last point, so that kernels meet no garbage there.
+            std::fill(out + rows * c + count, out + rows * (c + 1), out[rows * c + count - 1]);
+            channels_[channel++] = {out + rows * c, uniform ? 0u : 1u};
+        }
+        next += rows * width;
+    }
+    return channels_;
+}
+
+}  // namespace alder

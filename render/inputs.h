@@ -1,0 +1,63 @@
+// Program inputs: gathers, for a batch of shading points, exactly the globals and attributes that a program reads.
+//
+// InputPlan is made once per program and scene (attribute names become pointers); InputGather belongs to one thread and owns
+// the channels' memory.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "graph/program.h"
+#include "render/camera.h"
+#include "render/geometry/surface.h"
+
+namespace alder {
+
+/// Kinds of a ray, one bit each: the answers of the Light Path node.
+enum RayKind : uint32_t {
+    kRayCamera = 1, kRayShadow = 2, kRayDiffuse = 4, kRayGlossy = 8, kRaySingular = 16, kRayReflection = 32,
+    kRayTransmission = 64, kRayVolume = 128
+};
+
+/// What a path has been through on its way to a point.
+struct RayHistory {
+    Vec3f origin, direction;
+    uint32_t kinds = kRayCamera;
+    uint16_t depth = 0, diffuse = 0, glossy = 0, transmission = 0, transparent = 0;
+    float previous_alpha = 0;  ///< width of the lobe that cast the ray (alShaders' roughness message)
+};
+
+/// What inputs depend on besides the points.
+struct InputScene {
+    const Surfaces* surfaces = nullptr;
+    const CameraModel* camera = nullptr;
+    std::span<const int> material_pass_index;  ///< by index into Scene::materials
+};
+
+class InputPlan {
+  public:
+    InputPlan(const Program& program, const Surfaces& surfaces);
+    struct Entry {
+        ProgramInput input;
+        std::vector<const Attribute*> attribute_by_mesh;
+    };
+    const std::vector<Entry>& entries() const { return entries_; }
+    int channels() const { return channels_; }
+
+  private:
+    std::vector<Entry> entries_;
+    int channels_ = 0;
+};
+
+class InputGather {
+  public:
+    /// Channels for points[0..n). history[i] belongs to points[i]. Valid until the next call.
+    std::span<const Channel<float>> gather(const InputPlan& plan, const InputScene& scene, std::span<const ShadingPoint> points,
+                                           const RayHistory* const* history);
+
+  private:
+    struct Fill;
+    std::vector<float> memory_;
+    std::vector<Channel<float>> channels_;
+};
+
+}  // namespace alder

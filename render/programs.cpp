@@ -1,0 +1,71 @@
+// Programs of a scene's materials.
+#include "render/programs.h"
+
+#include <algorithm>
+
+namespace alder {
+namespace {
+
+std::shared_ptr<const SceneProgram> resolved(std::shared_ptr<const Program> p, const Surfaces& surfaces) {
+    if (!p) return nullptr;
+    InputPlan plan(*p, surfaces);
+    return std::make_shared<SceneProgram>(SceneProgram{std::move(p), std::move(plan)});
+}
+
+void append(Diagnostics& to, Diagnostics from, const std::string& prefix) {
+    for (auto* list : {&from.errors, &from.warnings})
+        for (Diagnostic& e : *list) e.pointer = prefix + e.pointer;
+    to.errors.insert(to.errors.end(), from.errors.begin(), from.errors.end());
+    to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
+}
+
+}  // namespace
+
+std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& material, const Surfaces& surfaces, Diagnostics& d) {
+    auto m = std::make_shared<MaterialPrograms>();
+    m->material = material;
+    if (!material.graph || !material.graph->has_surface()) return m;
+    Diagnostics own;
+    const auto compile = [&](LobeFilter lobes) {
+        ProgramRequest request;
+        request.surface = lobes;
+        return material.graph->program(request, own);
+    };
+    const auto surface = compile(LobeFilter::Surface);
+    std::shared_ptr<const Program> shadow, emission;
+    if (own.ok()) shadow = compile(LobeFilter::Transparency | LobeFilter::Shadow);
+    if (own.ok() && surface && surface->facts().has_emission) emission = compile(LobeFilter::Emission);
+    const bool ok = own.ok();
+    append(d, std::move(own), "/materials/" + material.name);
+    if (!ok) return nullptr;
+
+    m->surface = resolved(surface, surfaces);
+    if (shadow && shadow->facts().may_be_transparent) m->shadow = resolved(shadow, surfaces);
+    if (emission && emission->facts().has_emission) {
+        const ProgramFacts& facts = emission->facts();
+        m->emission_constant = facts.emission_constant;
+        m->emission_value = {facts.emission[0], facts.emission[1], facts.emission[2]};
+        m->emission = resolved(emission, surfaces);
+    }
+    return m;
+}
+
+std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& material, const Surfaces& surfaces,
+                                                      const std::vector<std::string>& names, std::vector<std::string>& present) {
+    present.clear();
+    if (!material.graph || !material.graph->has_surface()) return nullptr;
+    for (const std::string& name : names) {
+        ProgramRequest probe;
+        probe.aovs = {name};
+        Diagnostics ignored;  // a name that only other materials have is no fault
+        if (material.graph->program(probe, ignored) && ignored.ok()) present.push_back(name);
+    }
+    if (present.empty()) return nullptr;
+    ProgramRequest request;
+    request.surface = LobeFilter::Surface;
+    request.aovs = present;
+    Diagnostics d;
+    return resolved(material.graph->program(request, d), surfaces);
+}
+
+}  // namespace alder

@@ -1,0 +1,165 @@
+// Worker: one thread's wavefront. Traces the samples of a tile together, stage by stage, so that points with the same program
+// are shaded as one batch.
+//
+//   for each depth:  intersect -> background, lamps met -> surfaces by program -> lights -> shadow rays
+//
+// All state is private to the thread and reused; nothing a sample records depends on what else is in the wavefront. Within a
+// path, contributions are added in the order of its vertices, and at a vertex in the order of the stages.
+#pragma once
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "graph/program.h"
+#include "render/aov.h"
+#include "render/closure/bsdf.h"
+#include "render/film.h"
+#include "render/inputs.h"
+#include "render/light/light_table.h"
+#include "render/render_plan.h"
+#include "render/sampler.h"
+
+namespace alder {
+
+struct WorkerCounters {
+    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, shading_points = 0, nonfinite_samples = 0;
+};
+
+/// The layer a lobe's light goes to; glass counts by the side it leaves on (as in Cycles).
+inline LobeLabel label_of(const LobeSpec& spec, bool is_transmission) {
+    if (spec.kind != LobeKind::MicrofacetGlass) return spec.label;
+    return is_transmission ? LobeLabel::Refraction : spec.label == LobeLabel::Refraction ? LobeLabel::Specular : spec.label;
+}
+
+class Worker {
+  public:
+    explicit Worker(const EvalContext& context);
+
+    void begin(const RenderPlan& plan);
+    /// Samples [first, first + count) of every pixel of the tile, within one leaf, added to `leaf` (one sum a pixel).
+    /// False if stopped on the way.
+    bool trace(const Tile& tile, uint64_t first, uint32_t count, std::span<LeafSum> leaf);
+
+    const WorkerCounters& counters() const { return counters_; }
+    /// Since begin().
+    ExecStats executed() const {
+        const ExecStats& now = executor_.stats();
+        return {now.points - before_.points, now.evaluations - before_.evaluations, now.skipped - before_.skipped};
+    }
+    /// Buffers that the owner of the tile loop keeps between tiles.
+    std::vector<LeafSum> leaf_sums;
+    std::vector<std::vector<float>> tree_rows;
+    std::vector<float> scratch_row;
+
+  private:
+    enum PathFlag : uint8_t {
+        kDataDone = 1,        ///< data AOVs are recorded
+        kScattered = 2,       ///< has left the first surface: its layers are decided
+        kDiffuseBefore = 4,   ///< scattered by a diffuse lobe somewhere
+        kLastVertex = 8,      ///< bounces used up: emission and transparency only
+    };
+    struct Path {
+        RayHistory history;
+        float t_min = 0, t_max = 0;
+        float footprint = 0, spread = 0;
+        Vec3f throughput{1, 1, 1};
+        float scatter_pdf = 0;  ///< density of the direction, 0: delta or camera, so no light sample competes
+        SampleKey key;
+        uint32_t slot = 0;      ///< row of the sample
+        uint16_t vertex = 0;
+        uint8_t flags = 0;
+        Hit hit;
+    };
+    using LabelWeights = std::array<Vec3f, kScatterLabels>;
+    struct ShadowRay {
+        Ray ray;
+        Vec3f value;
+        uint32_t path;
+        uint32_t shares = 0;  ///< index into shares_, where layers are recorded
+        uint16_t depth, transparent;
+        uint8_t light_group;
+        bool direct, scattered, casts;
+    };
+    struct PendingEmission {
+        const SceneProgram* program;
+        ShadingPoint point;
+        RayHistory history;
+        uint32_t target;  ///< a shadow ray, or an index into found_
+    };
+    /// Light found by a path's own ray, whose radiance is still to be evaluated.
+    struct FoundLight {
+        uint32_t path;
+        Vec3f factor;
+        int light_group;
+        bool background;
+    };
+
+    // stages/camera.cpp
+    void start_paths(const Tile& tile, uint64_t first, uint32_t count);
+    void resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf);
+    // stages/intersect.cpp
+    void intersect();
+    void meet_lamps(uint32_t path, float t_max);
+    void meet_background();
+    void group_hits();
+    // stages/surface.cpp
+    void shade_surfaces();
+    void shade_batch(const SceneProgram& program, const RenderPlan::SurfacePrograms& programs, bool with_aovs, std::span<const uint32_t> paths);
+    void gather_lobes(const Program& program);
+    std::span<Lobe<float>> load_lobes(const Path& path, size_t i);
+    bool shade_point(Path& path, uint32_t index, const ShadingPoint& point, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
+    void record_data(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
+    void emit(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf);
+    bool scatter(Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf);
+    // stages/light.cpp
+    void sample_light(const Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf);
+    void evaluate_emission();
+    // stages/shadow.cpp
+    void trace_shadows();
+    void shade_shadows(std::vector<uint32_t>& rays);
+    void shade_shadow_batch(const SceneProgram* program, std::span<const uint32_t> rays);
+    void land(const ShadowRay& ray);
+
+    // contributions
+    float* row(uint32_t slot) { return rows_.data() + size_t{slot} * row_stride_; }
+    Vec3f clamped(Vec3f value, bool direct) const;
+    void add_light(uint32_t slot, Vec3f value, int light_group);
+    void add_layer(uint32_t slot, ShadingLayer layer, Vec3f value);
+    void add_by_labels(uint32_t slot, const LabelWeights& weights, bool direct, Vec3f value);
+    void add_path_light(const Path& path, Vec3f value, int light_group, bool background);
+    uint32_t ray_visibility(const RayHistory& h) const;
+
+    const RenderPlan* plan_ = nullptr;
+    Executor<float> executor_;
+    InputGather gather_;
+    WorkerCounters counters_;
+    ExecStats before_;
+
+    std::vector<Path> paths_;
+    std::vector<uint32_t> active_, next_, missed_, hits_;
+    std::vector<uint32_t> keys_, key_count_;
+    std::vector<LabelWeights> path_weights_, shares_;
+    std::vector<float> rows_;
+    std::vector<uint8_t> bad_;
+    int row_stride_ = 0;
+
+    // of the batch being shaded
+    std::vector<ShadingPoint> points_;
+    std::vector<const RayHistory*> histories_;
+    std::vector<Channel<float>> lobe_channels_;
+    std::vector<size_t> lobe_first_;
+    std::vector<Lobe<float>> lobes_;
+    std::vector<Vec3f> per_lobe_;
+    const std::vector<ProgramLobe>* current_lobes_ = nullptr;
+
+    std::vector<ShadowRay> shadows_;
+    std::vector<PendingEmission> pending_;
+    std::vector<FoundLight> found_;
+    std::vector<uint32_t> order_, order_by_program_, alive_, filtered_;
+    std::vector<Vec3f> emission_;
+    std::vector<RayHistory> shadow_history_;
+    std::vector<Hit> shadow_hits_;
+};
+
+}  // namespace alder
