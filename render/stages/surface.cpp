@@ -209,7 +209,7 @@ bool Worker::scatter(Path& path, const ShadingPoint& point, const Bsdf<float>& b
         else last = last || ++h.glossy > settings.glossy_bounces;
     }
     if (last) path.flags |= kLastVertex;
-    h.previous_alpha = s.roughness;
+    if (!s.is_diffuse) h.previous_alpha = s.roughness;  // alSurface's message: diffuse rays pass on what they found
     path.scatter_pdf = s.is_delta ? 0 : s.pdf;
 
     // Roulette by throughput, from the third scattering on; the square root kills later than the throughput itself would,
