@@ -44,7 +44,7 @@ std::string expected_of(const Param& p) {
         case Type::Bool: return "true or false";
         case Type::Color: return "[r, g, b] or a link";
         case Type::Vector: return "[x, y, z] or a link";
-        case Type::Closure: return "a link to a surface or closure node";
+        case Type::Closure: return "a link to a surface or closure node, or a colour [r, g, b] as light emitted";
         case Type::Enum: {
             std::string s = "one of ";
             for (size_t i = 0; i < p.items.size() && i < 48; ++i) s += (i ? ", " : "") + p.items[i].name;
@@ -180,7 +180,11 @@ class Reader {
         if (!link && !attribute) {
             if (param.type == Type::Closure) {
                 if (value.is_null()) return;
-                return error(pointer, "wrong-type", shown(value), expected_of(param));
+                Param color = param;
+                color.type = Type::Color;
+                Diagnostics local;
+                if (!read_constant(color, value, at(pointer), options_, out, local)) error(pointer, "wrong-type", shown(value), expected_of(param));
+                return;
             }
             Diagnostics local;
             if (!read_constant(param, value, at(pointer), options_, out, local))
@@ -193,14 +197,13 @@ class Reader {
         ++links_;
         if (attribute) {
             if (!value["attribute"].is_string()) return error(pointer + "/attribute", "wrong-type", shown(value["attribute"]), "an attribute name");
-            if (param.type == Type::Closure) return error(pointer, "wrong-type", "an attribute", expected_of(param));
             out.kind = DocValue::Attribute;
             out.text = value["attribute"];
             return;
         }
         if (!read_link(value, pointer, out.link)) return;
         const auto& from = pending_[out.link.node].node->type->outputs[out.link.output];
-        if ((from.type == Type::Closure) != (param.type == Type::Closure))
+        if (from.type == Type::Closure && param.type != Type::Closure)
             return error(pointer, "wrong-type", fmt::format("a {} from {}", type_name(from.type), pending_[out.link.node].node->name), expected_of(param));
         out.kind = DocValue::Link;
     }
