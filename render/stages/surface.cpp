@@ -21,8 +21,6 @@ void Worker::shade_surfaces() {
             shade_batch(*program, programs, with_aovs, std::span(order_).subspan(i, std::min(batch, last - i)));
         }
     }
-    // Paths of a wavefront go on in the order of their samples, whatever surfaces they met.
-    std::sort(next_.begin(), next_.end());
 }
 
 void Worker::shade_batch(const SceneProgram& program, const RenderPlan::SurfacePrograms& programs, bool with_aovs,

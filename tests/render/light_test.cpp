@@ -69,7 +69,9 @@ TEST(Lamp, sampled_and_met_agree) {
             ASSERT_NEAR(m.pdf / s.pdf, 1, 2e-3) << name;
             // A spread's attenuation ends in a kink, where rounding of the direction shows.
             ASSERT_NEAR(m.radiance.x, s.radiance.x, 2e-3f * s.radiance.x + 1e-4f) << name;
-            if (std::isfinite(s.distance)) ASSERT_NEAR(m.distance / s.distance, 1, 1e-2) << name;
+            if (std::isfinite(s.distance)) {
+                ASSERT_NEAR(m.distance / s.distance, 1, 1e-2) << name;
+            }
         }
         EXPECT_GT(sampled, 900) << name;
         EXPECT_GT(met, 0.97 * sampled) << name;
