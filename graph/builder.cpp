@@ -80,20 +80,26 @@ class NodeLowering final : public Lowering {
     }
     void pass_closure(int param, ValueRef weight) override {
         const DocValue& v = b_.document_.nodes[node_]->params[param];
-        if (v.kind != DocValue::Link || !weights_) return;
+        if (v.kind == DocValue::Default || !weights_) return;
         Ir& ir = b_.built_.ir;
         int w = path_weight_;
         if (weight.valid()) {
             const IrRef f = b_.convert(refs_[weight.id], Type::Float, System::Cycles);
             if (ir.is_constant(f.ch[0]) && ir.guarded(Guard::AllZero, {f.ch[0]})) {
-                b_.built_.skipped.emplace_back(v.link.node, fmt::format("{}.{} has weight 0", b_.document_.nodes[node_]->name, statics_->type->params[param].name));
+                if (v.kind == DocValue::Link)
+                    b_.built_.skipped.emplace_back(v.link.node, fmt::format("{}.{} has weight 0", b_.document_.nodes[node_]->name, statics_->type->params[param].name));
                 return;
             }
             if (!(ir.is_constant(f.ch[0]) && ir.guarded(Guard::IsOne, {f.ch[0]})))
                 w = ir.is_constant(w) && ir.value(w) == 1 ? f.ch[0] : b_.op1("multiply", builtin::multiply(), {w, f.ch[0]});
         }
+        if (!b_.document_.is_closure(v)) return b_.emit(node_, b_.color_of(node_, param), w);
         const auto [it, fresh] = weights_->try_emplace(v.link.node, w);
         if (!fresh) it->second = b_.op1("add", builtin::add(), {it->second, w});
+    }
+
+    void emit(ValueRef color) override {
+        if (weights_) b_.emit(node_, b_.convert(refs_[color.id], Type::Color, statics_->type->system), path_weight_);
     }
 
     bool has_result() const { return has_result_; }
@@ -401,9 +407,45 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
     }
 }
 
+/// A colour that stands where a closure is expected.
+IrRef Builder::color_of(int node, int param) {
+    const DocNode& n = *document_.nodes[node];
+    const DocValue& v = n.params[param];
+    if (v.kind == DocValue::Link) return link_value(v.link, n.type->system, Type::Color, 0);
+    IrRef r{Type::Color, {}};
+    for (int i = 0; i < 3; ++i)
+        r.ch[i] = v.kind == DocValue::Attribute ? built_.ir.attribute(v.text, Type::Color, i) : built_.ir.literal(v.number[i]);
+    return r;
+}
+
+/// An emission lobe of the node's own.
+void Builder::emit(int node, IrRef color, int weight) {
+    Ir& ir = built_.ir;
+    if (!has(filter_, LobeFilter::Emission) || collecting_aov_) return;
+    const bool one = ir.is_constant(weight) && ir.guarded(Guard::IsOne, {weight});
+    BuiltLobe lobe{LobeSpec{LobeKind::Emission, LobeLabel::Emission}, {}, -1, document_.nodes[node]->name};
+    for (int i = 0; i < 3; ++i) lobe.channels.push_back(one ? color.ch[i] : op1("weigh", builtin::multiply(), {color.ch[i], weight}));
+    for (int i = 3; i < lobe.spec.channels(); ++i) lobe.channels.push_back(ir.literal(0));
+    const std::vector<int> w(lobe.channels.begin(), lobe.channels.begin() + 3);
+    if (std::all_of(w.begin(), w.end(), [&](int c) { return ir.is_constant(c); }) && ir.guarded(Guard::AllZero, w)) return;
+    built_.lobes.push_back(std::move(lobe));
+}
+
+/// A closure asked for as a value: the light it emits.
+IrRef Builder::emission_of(const DocLink& link) {
+    const size_t before = built_.lobes.size();
+    closure(link, built_.ir.literal(1), LobeFilter::Emission);
+    IrRef sum{Type::Color, {built_.ir.literal(0), built_.ir.literal(0), built_.ir.literal(0)}};
+    for (size_t k = before; k < built_.lobes.size(); ++k)
+        for (int i = 0; i < 3; ++i) sum.ch[i] = op1("add", builtin::add(), {sum.ch[i], built_.lobes[k].channels[i]});
+    built_.lobes.resize(before);
+    return sum;
+}
+
 /// All closures below `link`: parents before children, so that a closure reached on several ways is emitted once with the
 /// sum of its weights.
 void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
+    filter_ = filter;
     std::vector<int> order;
     std::map<int, char> state;
     std::vector<std::pair<int, size_t>> stack{{link.node, 0}};
@@ -411,7 +453,7 @@ void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
     while (!stack.empty()) {
         auto& [node, param] = stack.back();
         const DocNode& n = *document_.nodes[node];
-        while (param < n.params.size() && !(n.type->params[param].type == Type::Closure && n.params[param].kind == DocValue::Link)) ++param;
+        while (param < n.params.size() && !(n.type->params[param].type == Type::Closure && document_.is_closure(n.params[param]))) ++param;
         if (param == n.params.size()) {
             order.push_back(node);
             stack.pop_back();
@@ -464,7 +506,7 @@ void Builder::build(const ProgramRequest& request) {
             continue;
         }
         if (document_.nodes[link.node]->type->outputs[link.output].type == Type::Closure) {
-            d_.errors.push_back({"/outputs", "wrong-type", text, "a value output; closures are evaluated through \"closure\"", ""});
+            add(text, emission_of(link));
             continue;
         }
         add(text, node_output(link.node, link.output, 0));

@@ -67,6 +67,9 @@ class Builder {
     int op1(const char* name, const Kernel& kernel, std::vector<int> in);
 
     void closure(const DocLink& link, int weight, LobeFilter filter);
+    void emit(int node, IrRef color, int weight);
+    IrRef color_of(int node, int param);
+    IrRef emission_of(const DocLink& link);
     void closure_lobes(int node, int weight, LobeFilter filter);
     void closure_aov(const DocLink& link, const std::string& name, int weight, IrRef& sum, bool& found);
 
@@ -78,6 +81,7 @@ class Builder {
     std::map<std::tuple<int, int, int>, IrRef> memo_;
     std::map<int, std::shared_ptr<Statics>> statics_;
     std::map<int, std::vector<char>> asked_;
+    LobeFilter filter_ = LobeFilter::None;  ///< of the closures being built
     // While an alder AOV is collected along the closure tree instead of lobes:
     bool collecting_aov_ = false;
     std::string aov_name_;

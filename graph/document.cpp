@@ -44,7 +44,7 @@ std::string expected_of(const Param& p) {
         case Type::Bool: return "true or false";
         case Type::Color: return "[r, g, b] or a link";
         case Type::Vector: return "[x, y, z] or a link";
-        case Type::Closure: return "a link to a surface or closure node";
+        case Type::Closure: return "a link to a surface or closure node, or a colour [r, g, b] as light emitted";
         case Type::Enum: {
             std::string s = "one of ";
             for (size_t i = 0; i < p.items.size() && i < 48; ++i) s += (i ? ", " : "") + p.items[i].name;
@@ -180,7 +180,11 @@ class Reader {
         if (!link && !attribute) {
             if (param.type == Type::Closure) {
                 if (value.is_null()) return;
-                return error(pointer, "wrong-type", shown(value), expected_of(param));
+                Param color = param;
+                color.type = Type::Color;
+                Diagnostics local;
+                if (!read_constant(color, value, at(pointer), options_, out, local)) error(pointer, "wrong-type", shown(value), expected_of(param));
+                return;
             }
             Diagnostics local;
             if (!read_constant(param, value, at(pointer), options_, out, local))
@@ -193,19 +197,19 @@ class Reader {
         ++links_;
         if (attribute) {
             if (!value["attribute"].is_string()) return error(pointer + "/attribute", "wrong-type", shown(value["attribute"]), "an attribute name");
-            if (param.type == Type::Closure) return error(pointer, "wrong-type", "an attribute", expected_of(param));
             out.kind = DocValue::Attribute;
             out.text = value["attribute"];
             return;
         }
         if (!read_link(value, pointer, out.link)) return;
         const auto& from = pending_[out.link.node].node->type->outputs[out.link.output];
-        if ((from.type == Type::Closure) != (param.type == Type::Closure))
+        if (from.type == Type::Closure && param.type != Type::Closure)
             return error(pointer, "wrong-type", fmt::format("a {} from {}", type_name(from.type), pending_[out.link.node].node->name), expected_of(param));
         out.kind = DocValue::Link;
     }
 
-    bool read_link(const json& value, const std::string& pointer, DocLink& out, int depth = 0) {
+    /// `preferred`: the output meant where none is named and the node has several.
+    bool read_link(const json& value, const std::string& pointer, DocLink& out, int depth = 0, const char* preferred = nullptr) {
         if (!value.is_object() || !value.contains("node") || !value["node"].is_string()) {
             error(pointer, "wrong-type", shown(value), "a link {\"node\": NAME, \"output\": SOCKET}");
             return false;
@@ -218,7 +222,7 @@ class Reader {
                 error(pointer, depth > 1000 ? "cycle" : "unlinked", "reroute " + name, "a reroute with a linked Input");
                 return false;
             }
-            if (!read_link((*params)["Input"], "/nodes/" + pointer_token(name) + "/params/Input", out, depth + 1)) return false;
+            if (!read_link((*params)["Input"], "/nodes/" + pointer_token(name) + "/params/Input", out, depth + 1, preferred)) return false;
         } else {
             const auto it = index_.find(name);
             if (it == index_.end()) {
@@ -244,6 +248,8 @@ class Reader {
             } else if (value.contains("output")) {
                 error(pointer + "/output", "wrong-type", shown(value["output"]), "an output name");
                 return false;
+            } else if (preferred && type->output_index(preferred) >= 0) {
+                out.output = type->output_index(preferred);
             } else if (type->outputs.size() != 1 && type->system == System::Cycles) {
                 std::vector<std::string> names;
                 for (const auto& o : type->outputs) names.push_back(o.name);
@@ -274,7 +280,7 @@ class Reader {
         const auto closure = [&](const char* name, DocLink& link) {
             if (!o.contains(name) || o[name].is_null()) return;
             const std::string pointer = std::string("/outputs/") + name;
-            if (read_link(o[name], pointer, link) && pending_[link.node].node->type->outputs[link.output].type != Type::Closure) {
+            if (read_link(o[name], pointer, link, 0, "Surface") && pending_[link.node].node->type->outputs[link.output].type != Type::Closure) {
                 error(pointer, "wrong-type", pending_[link.node].node->type->name, "a surface or closure node");
                 link.node = -1;
             }
@@ -282,7 +288,8 @@ class Reader {
         closure("surface", out.surface);
         if (o.contains("volume") && !o["volume"].is_null())
             error("/outputs/volume", "unsupported", "a volume", "a graph without volume output: volumes are not available in this version");
-        if (o.contains("displacement") && !o["displacement"].is_null()) read_link(o["displacement"], "/outputs/displacement", out.displacement);
+        if (o.contains("displacement") && !o["displacement"].is_null()) 
+            read_link(o["displacement"], "/outputs/displacement", out.displacement, 0, "Displacement");
         if (!o.contains("aovs")) return;
         if (!o["aovs"].is_object()) return error("/outputs/aovs", "wrong-type", shown(o["aovs"]), "links by AOV name");
         for (const auto& [name, value] : o["aovs"].items()) {

@@ -44,6 +44,10 @@ class Document {
     int node_index(const std::string& name) const;
     /// "NODE.OUTPUT" split at the last dot that makes a known output, or "NODE". False if there is none.
     bool find_output(const std::string& text, DocLink& link) const;
+    /// A link to a closure output; what else may stand in a closure parameter is a colour.
+    bool is_closure(const DocValue& v) const {
+        return v.kind == DocValue::Link && nodes[v.link.node]->type->outputs[v.link.output].type == Type::Closure;
+    }
 };
 
 /// Reads and checks everything. Null if there are errors.

@@ -43,7 +43,10 @@ class Lowering {
     virtual void result(ValueRef v) = 0;
 
     /// Closure outputs: pass the closure of a Closure parameter on, weighted. Call once per parameter. Factor invalid = 1.
+    /// A colour in place of a closure (constant or link) is light emitted.
     virtual void pass_closure(int param, ValueRef weight) = 0;
+    /// Closure outputs: light emitted by the node itself.
+    virtual void emit(ValueRef color) = 0;
 };
 
 }  // namespace alder

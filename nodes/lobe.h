@@ -47,7 +47,7 @@ enum class FresnelMode : uint8_t {
     TotalReflection,  ///< MicrofacetGlass: F = 1 under total reflection, else 0: all light refracts where it can (alShaders)
 };
 
-/// Which light AOV a lobe's contribution goes to (API.md section 10).
+/// Which light AOV a lobe's contribution goes to (API.md section 10). What a lobe labelled Refraction reflects is Specular.
 enum class LobeLabel : uint8_t { Diffuse, Specular, Specular2, Backlight, Refraction, Sss, SingleScatter, Emission, Transparent, kCount };
 
 struct LobeSpec {

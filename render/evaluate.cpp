@@ -177,10 +177,12 @@ class Evaluation {
                 if (lobe.weight.x != R(0) || lobe.weight.y != R(0) || lobe.weight.z != R(0)) lobes.push_back(lobe);
             }
             const auto vec = [](const std::array<double, 3>& v) { return Vec3<R>(R(v[0]), R(v[1]), R(v[2])); };
-            const ShadingView<R> view{vec(closure_.wo[p]), vec(ng_[p]), vec(ns_[p])};
-            Bsdf<R> bsdf(lobes, view);
+            ShadingView<R> view{vec(closure_.wo[p]), vec(ng_[p]), vec(ns_[p])};
+            const Bsdf<R> bsdf(lobes, view);
             if (!closure_.wi.empty()) {
-                const BsdfEval<R> e = bsdf.eval(vec(closure_.wi[p]));
+                // What Cycles evaluates, sampled or not: requests compare with its tables.
+                view.unreachable_too = true;
+                const BsdfEval<R> e = Bsdf<R>(lobes, view).eval(vec(closure_.wi[p]));
                 results_.f_cos[p] = {e.f_cos.x, e.f_cos.y, e.f_cos.z};
                 results_.pdf[p] = e.pdf;
             }

@@ -71,7 +71,7 @@ void finish(PreparedScene& p) {
 
 void build_lights(PreparedScene& p) {
     const CameraModel camera(p.scene->camera, p.scene->settings.width, p.scene->settings.height);
-    p.lights = std::make_shared<LightTable>(*p.surfaces, p.materials, p.scene->lights, p.light_programs, p.world, camera,
+    p.lights = std::make_shared<LightTable>(*p.surfaces, p.materials, p.lamps, p.light_programs, p.world, camera,
                                             p.workers->context());
 }
 
@@ -112,6 +112,7 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
         warn_about_displacement(m, d);
         p->materials.push_back(compile_material(m, *p->surfaces, d));
     }
+    p->lamps = scene->lights;
     for (size_t i = 0; i < scene->lights.size(); ++i) {
         const Light& light = scene->lights[i];
         if (!light.graph) {
@@ -119,7 +120,9 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
             continue;
         }
         const auto m = compile_material({light.name, light.graph, 0}, *p->surfaces, d);
-        p->light_programs.push_back(m ? m->emission : nullptr);
+        const bool constant = m && (!m->emission || m->emission_constant);
+        if (constant) p->lamps[i].color *= m->emission_value;  // the graph is a factor; black where it does not emit
+        p->light_programs.push_back(constant || !m ? nullptr : m->emission);
     }
     p->compile_seconds = seconds_since(compile_start);
     if (!d.ok()) return nullptr;

@@ -35,7 +35,8 @@ class PreparedScene {
     std::shared_ptr<const Scene> scene;  ///< settings, camera, lights; its materials may be older than `materials`
     std::shared_ptr<const Surfaces> surfaces;
     std::vector<std::shared_ptr<const MaterialPrograms>> materials;
-    std::vector<std::shared_ptr<const SceneProgram>> light_programs;  ///< by lamp; null: none
+    std::vector<Light> lamps;  ///< with constant emission graphs multiplied into the colour
+    std::vector<std::shared_ptr<const SceneProgram>> light_programs;  ///< by lamp; null: none left
     std::shared_ptr<const WorldLight> world;
     std::shared_ptr<const LightTable> lights;
     std::shared_ptr<WorkerPool> workers;

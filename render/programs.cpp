@@ -2,6 +2,7 @@
 #include "render/programs.h"
 
 #include <algorithm>
+#include <set>
 
 namespace alder {
 namespace {
@@ -17,6 +18,17 @@ void append(Diagnostics& to, Diagnostics from, const std::string& prefix) {
         for (Diagnostic& e : *list) e.pointer = prefix + e.pointer;
     to.errors.insert(to.errors.end(), from.errors.begin(), from.errors.end());
     to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
+}
+
+/// AOVs that closure nodes carry ("id_1"); black where a material's closures do not.
+const std::set<std::string>& closure_aov_names() {
+    static const std::set<std::string> names = [] {
+        std::set<std::string> all;
+        for (const NodeType* n : all_nodes())
+            for (const auto& [name, param] : n->closure_aovs) all.insert(name);
+        return all;
+    }();
+    return names;
 }
 
 }  // namespace
@@ -54,12 +66,10 @@ std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& mater
                                                       const std::vector<std::string>& names, std::vector<std::string>& present) {
     present.clear();
     if (!material.graph || !material.graph->has_surface()) return nullptr;
-    for (const std::string& name : names) {
-        ProgramRequest probe;
-        probe.aovs = {name};
-        Diagnostics ignored;  // a name that only other materials have is no fault
-        if (material.graph->program(probe, ignored) && ignored.ok()) present.push_back(name);
-    }
+    const std::vector<std::string> own = material.graph->aov_names();
+    const std::set<std::string>& carried = closure_aov_names();
+    for (const std::string& name : names)
+        if (std::find(own.begin(), own.end(), name) != own.end() || carried.contains(name)) present.push_back(name);
     if (present.empty()) return nullptr;
     ProgramRequest request;
     request.surface = LobeFilter::Surface;

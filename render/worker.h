@@ -129,6 +129,9 @@ class Worker {
     void add_by_labels(uint32_t slot, const LabelWeights& weights, bool direct, Vec3f value);
     void add_path_light(const Path& path, Vec3f value, int light_group, bool background);
     uint32_t ray_visibility(const RayHistory& h) const;
+    /// Weights of the two ways to find a light: sampled with light_pdf, met by a ray scattered with scatter_pdf (0: delta).
+    float sampled_weight(float light_pdf, float scatter_pdf, bool is_delta_light) const;
+    float met_weight(float light_pdf, float scatter_pdf) const;
 
     const RenderPlan* plan_ = nullptr;
     Executor<float> executor_;

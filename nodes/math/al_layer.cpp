@@ -98,9 +98,8 @@ static std::vector<LazyRule> layer_lazy(const Statics& s) {
         if (s.linked[enabled]) {
             rules.push_back({first, enabled, LazyRule::NeededIfNonZero});
             rules.push_back({first + 1, enabled, LazyRule::NeededIfNonZero});
-        } else if (!soft_light) {
-            rules.push_back({first, first + 1, LazyRule::NeededIfNonZero});
         }
+        if (!soft_light) rules.push_back({first, first + 1, LazyRule::NeededIfNonZero});
     }
     return rules;
 }

@@ -20,10 +20,12 @@ struct Coord {
     F c[D];
     HWY_INLINE Coord() {}
     friend HWY_INLINE Coord operator+(Coord a, const Coord& b) {
+        ALDER_UNROLL
         for (int i = 0; i < D; ++i) a.c[i] = a.c[i] + b.c[i];
         return a;
     }
     friend HWY_INLINE Coord operator*(Coord a, F s) {
+        ALDER_UNROLL
         for (int i = 0; i < D; ++i) a.c[i] = a.c[i] * s;
         return a;
     }
@@ -98,6 +100,7 @@ template <class F>
 HWY_INLINE F perlin(const LatticeAxis<F> (&a)[2]) {
     const LatticeAxis<F>&x = a[0], &y = a[1];
     F row[2];
+    ALDER_UNROLL
     for (int j = 0; j < 2; ++j) {
         const Int<F> cy = j ? y.cell1() : y.cell;
         const F fy = j ? y.f1() : y.f;
@@ -109,6 +112,7 @@ template <class F>
 HWY_INLINE F perlin(const LatticeAxis<F> (&a)[3]) {
     const LatticeAxis<F>&x = a[0], &y = a[1], &z = a[2];
     F row[4];
+    ALDER_UNROLL
     for (int j = 0; j < 4; ++j) {
         const Int<F> cy = j & 1 ? y.cell1() : y.cell, cz = j & 2 ? z.cell1() : z.cell;
         const F fy = j & 1 ? y.f1() : y.f, fz = j & 2 ? z.f1() : z.f;
@@ -122,6 +126,7 @@ template <class F>
 HWY_INLINE F perlin(const LatticeAxis<F> (&a)[4]) {
     const LatticeAxis<F>&x = a[0], &y = a[1], &z = a[2], &w = a[3];
     F row[4];
+    ALDER_UNROLL
     for (int j = 0; j < 4; ++j) {
         const Int<F> cy = j & 1 ? y.cell1() : y.cell, cz = j & 2 ? z.cell1() : z.cell;
         const F fy = j & 1 ? y.f1() : y.f, fz = j & 2 ? z.f1() : z.f;
@@ -138,6 +143,7 @@ HWY_INLINE F perlin(const LatticeAxis<F> (&a)[4]) {
 /// two dimensions and by p - trunc(p/1e5)·1e5 in three and four, and adds 0.5 from a million on, where floats have no fraction left.
 template <int D, class F>
 HWY_NOINLINE void set_far_axes(const Coord<D, F>& p, LatticeAxis<F>* a) {
+    ALDER_UNROLL
     for (int i = 0; i < D; ++i) {
         F x = p.c[i];
         const F half = select(abs(x) >= F(1e6), F(0.5), F(0));
@@ -158,6 +164,7 @@ template <int D, class F>
 HWY_INLINE F signed_noise(const Coord<D, F>& p, F reach) {
     LatticeAxis<F> a[D];
     if (HWY_LIKELY(all(reach < F(1e5)))) {
+        ALDER_UNROLL
         for (int i = 0; i < D; ++i) {
             const F below = floor(p.c[i]);
             a[i].cell = small_floor_to_int(below);
@@ -172,6 +179,7 @@ HWY_INLINE F signed_noise(const Coord<D, F>& p, F reach) {
 template <int D, class F>
 HWY_INLINE F reach_of(const Coord<D, F>& p) {
     F r = abs(p.c[0]);
+    ALDER_UNROLL
     for (int i = 1; i < D; ++i) r = r + abs(p.c[i]);
     return r;
 }

@@ -23,6 +23,11 @@
 
 #include "hwy/highway.h"
 
+// Before a loop over the components of a small array of lanes: in registers only if unrolled, which -O2 does not do by itself.
+#ifndef ALDER_UNROLL
+#define ALDER_UNROLL _Pragma("GCC unroll 16")
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -345,6 +350,16 @@ HWY_INLINE F map_lanes(F x, F y, Fn fn) {
     }
 }
 
+/// 1/sqrt(x) for positive normal x, to 3e-7 relative: the instruction's estimate and one step of Newton's method.
+template <class F>
+HWY_INLINE F reciprocal_sqrt_estimate(F x) {
+    if constexpr (std::is_same_v<F, VF>) {
+        const VF y(hn::ApproximateReciprocalSqrt(x.v));
+        return y * mad(x * VF(-0.5f) * y, y, VF(1.5f));
+    } else {
+        return F(1) / std::sqrt(x);
+    }
+}
 /// a*b + c rounded once on every target: where the rounding decides (a hash or a floor follows). A library call a lane on SSE4.
 template <class F>
 HWY_INLINE F fused_mad(F a, F b, F c) {

@@ -8,7 +8,7 @@ on mu = N.wo and alpha alone: W(dc) = D(m) G2(wo, wi) (wo.m) / mu dm (Walter et 
 measure is sampled at fixed points, and the Stieltjes procedure with Golub and Welsch 1969 gives the three nodes c_i and weights
 w_i for which sum w_i p(c_i) is exact for every polynomial p up to degree 5. Any Fresnel curve can then be put in: dielectric or
 metal, per channel.
-Axes: alpha = (row/15)^2, at least 0.001; nu = mu (1 + 6 alpha)/(mu + 6 alpha) = column/15, in which small widths are self-similar.
+Axes: sqrt(alpha) from sqrt(0.001) to 1 by row; nu = mu (1 + 6 alpha)/(mu + 6 alpha) = column/15, in which small widths look alike.
 A cell holds (c_i - mu)/alpha, then w_i. Needs numpy.
 """
 import numpy as np
@@ -57,7 +57,7 @@ def gauss_rule(c, w, n=3):
 
 def cells(ggx):
     for row in range(SIZE):
-        alpha = max((row / (SIZE - 1)) ** 2, ALPHA_MIN)
+        alpha = (ALPHA_MIN ** 0.5 + (1 - ALPHA_MIN ** 0.5) * row / (SIZE - 1)) ** 2
         for column in range(SIZE):
             nu = column / (SIZE - 1) / (1 + STRETCH * alpha)
             mu = min(max(STRETCH * alpha * nu / (1 - nu), 1e-4 * alpha), 1)

@@ -124,6 +124,24 @@ HWY_INLINE F al_width_floor(const Lanes<F>& k, const AlSurfacePlan& plan, const 
     return plan.roughness_follows_path ? max(F(0), point.path.previous_alpha * k.f(depth_scale)) : F(0);
 }
 
+/// How the viewer sees a specular lobe, for its albedo.
+template <class F>
+struct AlAlbedoView {
+    const float* table;
+    F mu;
+    AlWidths<F> width;
+    F x, y;  ///< wo in the lobe's frame; read where anisotropic
+    Mask<F> mirror;
+    bool anisotropic;
+
+    template <class Fresnel>
+    HWY_INLINE auto albedo(const Fresnel& fresnel) const {
+        const auto rough = anisotropic ? al_albedo_anisotropic(table, mu, width.x, width.y, x, y, fresnel)
+                                       : al_albedo(table, AlAlbedoPlace<F>(mu, width.x), fresnel);
+        return select(mirror, fresnel(mu), rough);
+    }
+};
+
 /// A specular: writes its lobe apart from the weight, and returns what the layers below need.
 template <class F>
 HWY_INLINE AlCoat<F> al_specular(const Lanes<F>& k, const AlSurfacePlan& plan, const AlPoint<F>& point, int which) {
@@ -140,33 +158,26 @@ HWY_INLINE AlCoat<F> al_specular(const Lanes<F>& k, const AlSurfacePlan& plan, c
     const Mask<F> mirror = which == 0 ? alpha == F(0) : Mask<F>(false);
     if (which == 0) coat.runs = coat.runs & ((!mirror) | al_mirror_runs(point.path, dot(point.wo, point.n), ior, point.inside));
 
-    AlWidths<F> width = al_widths(alpha, anisotropy, al_width_floor(k, plan, point, c.depth_scale));
-    AlAlbedoRule<F> rule;
-    const F mu = min(F(1), max(F(1e-4), cos_o));
+    const AlWidths<F> width = al_widths(alpha, anisotropy, al_width_floor(k, plan, point, c.depth_scale));
+    AlAlbedoView<F> view{p.albedo_table, min(F(1), max(F(1e-4), cos_o)), width, F(0), F(0), mirror, p.anisotropic};
     Vec3<F> tangent(F(0));
     if (p.anisotropic) {
         const AlFrame<F> frame = al_frame(n, point.dpdu);
         const F turn = select(anisotropy == F(0.5), F(0), k.f(c.rotation) * F(3.14159265358979323846));
         tangent = frame.u * cos(turn) - frame.v * sin(turn);
-        rule = al_albedo_rule(p.albedo_table, mu, width.x, width.y, dot(point.wo, tangent), dot(point.wo, cross(n, tangent)));
-    } else {
-        rule = al_albedo_rule(p.albedo_table, mu, width.x);
+        view.x = dot(point.wo, tangent);
+        view.y = dot(point.wo, cross(n, tangent));
     }
-    for (int i = 0; i < 3; ++i) {
-        rule.cosine[i] = select(mirror, mu, rule.cosine[i]);
-        rule.weight[i] = select(mirror, F(1.0 / 3.0), rule.weight[i]);
-    }
-
-    AlMetal<F> metal[3];
+    AlMetalCurve<F> metal{Vec3<F>(F(1)), Vec3<F>(F(0))};
     if (p.metallic) {
         for (int ch = 0; ch < 3; ++ch) {
-            metal[ch] = al_metal(k.f(c.reflectivity + ch), k.f(c.edge_tint + ch));
-            F e = F(0);
-            for (int i = 0; i < 3; ++i) e += rule.weight[i] * fresnel_conductor(rule.cosine[i], metal[ch].n, metal[ch].k);
-            coat.albedo = max(coat.albedo, e);
+            const AlMetal<F> m = al_metal(k.f(c.reflectivity + ch), k.f(c.edge_tint + ch));
+            metal.n[ch] = m.n;
+            metal.k[ch] = m.k;
         }
+        coat.albedo = max_component(view.albedo(metal));
     } else {
-        for (int i = 0; i < 3; ++i) coat.albedo += rule.weight[i] * fresnel_dielectric(rule.cosine[i], ior);
+        coat.albedo = view.albedo(AlDielectricCurve<F>{ior});
     }
     // A normal that faces away reflects nothing to the viewer.
     coat.albedo = select(cos_o > F(0), min(F(1), coat.albedo), F(0));
@@ -179,11 +190,10 @@ HWY_INLINE AlCoat<F> al_specular(const Lanes<F>& k, const AlSurfacePlan& plan, c
     k.set(params + p.layout.alpha_x, select(mirror, F(0), width.x));
     if (p.anisotropic) k.set(params + p.layout.alpha_y, select(mirror, F(0), width.y));
     if (p.layout.eta >= 0) k.set(params + p.layout.eta, ior);
-    if (p.metallic)
-        for (int ch = 0; ch < 3; ++ch) {
-            k.set(params + p.layout.f0 + ch, metal[ch].n);
-            k.set(params + p.layout.edge + ch, metal[ch].k);
-        }
+    if (p.metallic) {
+        k.set(params + p.layout.f0, metal.n);
+        k.set(params + p.layout.edge, metal.k);
+    }
     return coat;
 }
 

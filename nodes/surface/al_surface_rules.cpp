@@ -146,25 +146,26 @@ struct Constants {
         return std::all_of(values[p], values[p] + count, [v](double x) { return x == v; });
     }
     bool dark(int strength, int color) const { return is(strength, 0) || is(color, 0); }
-    void refuse(int p, const std::string& what) const { errors.push_back(std::string(kRows[p].name) + ": " + what); }
-    void only(int p, double v, const char* what) const {
-        if (!is(p, v)) refuse(p, what);
+    /// `expected` is what would have been right, and why.
+    void refuse(int p, const std::string& expected) const { errors.push_back(std::string(kRows[p].name) + ": " + expected); }
+    void only(int p, double v, const char* expected) const {
+        if (!is(p, v)) refuse(p, expected);
     }
 };
 
-constexpr char kNoScale[] = "indirect light is not scaled on its own; only 1 is available";
-constexpr char kNoClamp[] = "clamping is not available; only 0 is";
+constexpr char kNoScale[] = "1: indirect light is not scaled on its own";
+constexpr char kNoClamp[] = "0: clamping is not available";
 
 void check_subsurface(const Constants& c) {
     const bool weights = !(c.is(index("sssWeight1"), 0) && c.is(index("sssWeight2"), 0) && c.is(index("sssWeight3"), 0));
     const int mix = index("sssMix");
-    if (weights && (c.linked(mix) || c.number(mix) >= 0.01)) c.refuse(mix, "subsurface scattering is not available; only values below 0.01 are");
+    if (weights && (c.linked(mix) || c.number(mix) >= 0.01)) c.refuse(mix, "less than 0.01: subsurface scattering is not available");
 }
 
 void check_specular(const Constants& c, int strength, int clamp, int internal) {
     c.only(strength, 1, kNoScale);
     c.only(clamp, 0, kNoClamp);
-    if (c.linked(internal) || c.is(internal, 0)) c.refuse(internal, "direct light inside cannot be switched off; only on is available");
+    if (c.linked(internal) || c.is(internal, 0)) c.refuse(internal, "true: direct light inside cannot be switched off on its own");
 }
 
 void check_attenuation(const Constants& c) {
@@ -172,12 +173,12 @@ void check_attenuation(const Constants& c) {
     if (c.is(density, 0) && c.is(index("ssInScatteringStrength"), 0)) return;
     const bool specified = !c.is(specify, 0), computed = !c.is(specify, 1);
     if (specified && !(c.is(index("ssScattering"), 0) && c.is(index("ssAbsorption"), 0)))
-        c.refuse(specify, "scattering and absorption inside are not available; only off, or both coefficients black");
+        c.refuse(specify, "false, or black coefficients: scattering and absorption inside are not available");
     if (!computed) return;
-    c.only(index("ssInScatteringStrength"), 0, "scattering inside is not available; only 0 is");
+    c.only(index("ssInScatteringStrength"), 0, "0: scattering inside is not available");
     const int color = index("ssAttenuationColor");
     const double* v = c.values[color];
-    if (!v || std::min({v[0], v[1], v[2]}) < 1) c.refuse(color, "attenuation inside is not available; only white is");
+    if (!v || std::min({v[0], v[1], v[2]}) < 1) c.refuse(color, "white: attenuation inside is not available");
 }
 
 }  // namespace
@@ -203,10 +204,10 @@ void check(const Statics& s, const std::vector<const double*>& constant, std::ve
         const std::string_view name = kRows[p].name;
         if (starts(name, "aov_") && name.ends_with("_clamp")) c.only(static_cast<int>(p), 0, kNoClamp);
         const bool trace_set = starts(name, "traceSet") || name == "sssTraceSet";
-        if (trace_set && !s.text[p].empty()) c.refuse(static_cast<int>(p), "trace sets are not available; rays see every object");
+        if (trace_set && !s.text[p].empty()) c.refuse(static_cast<int>(p), "an empty string: trace sets are not available, rays see every object");
     }
-    c.only(index("standardCompatibleAOVs"), 0, "only off is available: every light path has its AOV");
-    c.only(index("transmitAovs"), 0, "only off is available: AOVs are those of the first surface");
+    c.only(index("standardCompatibleAOVs"), 0, "false: every light path has its AOV");
+    c.only(index("transmitAovs"), 0, "false: AOVs are those of the first surface");
 }
 
 }  // namespace alder::al_surface

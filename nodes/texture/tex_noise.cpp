@@ -27,11 +27,13 @@ struct RandomOffsets {
     float at[D + 2][D];
     constexpr RandomOffsets() : at{} {
         for (int seed = 0; seed < D + 2; ++seed) {
+            ALDER_UNROLL
             for (int axis = 0; axis < D; ++axis) at[seed][axis] = random_offset(D, seed, axis);
         }
     }
     template <class F>
     HWY_INLINE Coord<D, F> moved(Coord<D, F> p, int seed) const {
+        ALDER_UNROLL
         for (int axis = 0; axis < D; ++axis) p.c[axis] = p.c[axis] + F(at[seed][axis]);
         return p;
     }
@@ -49,6 +51,7 @@ struct TexNoise {
         Coord<D, F> p;
         if constexpr (D > 1) {
             const Vec3<F> v = mapped_vector(k, kVectorIn);
+            ALDER_UNROLL
             for (int i = 0; i < (D < 3 ? D : 3); ++i) p.c[i] = v[i];
         }
         if constexpr (D == 1 || D == 4) p.c[D - 1] = k.f(kWIn);
@@ -66,7 +69,9 @@ struct TexNoise {
         const Mask<F> distorted = distortion != F(0);
         if (any(distorted)) {
             Coord<D, F> d;
+            ALDER_UNROLL
             for (int axis = 0; axis < D; ++axis) d.c[axis] = signed_noise(offsets.moved(p, axis));
+            ALDER_UNROLL
             for (int axis = 0; axis < D; ++axis) p.c[axis] = select(distorted, fused_mad(d.c[axis], distortion, p.c[axis]), p.c[axis]);
         }
         // One call for value, red, green and blue keeps the code small.

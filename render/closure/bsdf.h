@@ -35,10 +35,10 @@ Lobe<T> load_lobe(const LobeSpec& spec, const Channel<T>* channels, size_t i);
 template <class T>
 struct ShadingView {
     Vec3<T> wo, ng, ns;
-    /// Cycles evaluates rough refraction for any pair of directions, also where no microfacet that wo sees connects them;
-    /// its sampler never produces those, and its albedo exceeds 1 by them. True: evaluate them too (with density 0), to
-    /// compare with its tables. False: they are 0, which is what a renderer wants.
-    bool any_half_vector = false;
+    /// Evaluate directions that sampling never produces, as Cycles does: refraction where no microfacet that wo sees connects
+    /// the two (its albedo exceeds 1 by that), Ashikhmin's sheen and glossy toon below ng. For comparing with its tables;
+    /// their density is 0. A renderer wants false: then these are 0.
+    bool unreachable_too = false;
 };
 
 template <class T>

@@ -56,7 +56,13 @@ struct MicrofacetLobe {
             case FresnelMode::TotalReflection:
                 r = Vec3<T>(hw::fresnel_amplitudes(c, eta).total ? T(1) : T(0));
                 break;
-            case FresnelMode::Dielectric: r = Vec3<T>(hw::fresnel_dielectric(c, eta)); break;
+            case FresnelMode::Dielectric: {
+                T f = hw::fresnel_dielectric(c, eta);
+                // Cycles' Glass: not below the value at normal incidence, where the curve of a high index dips.
+                if (spec.kind == LobeKind::MicrofacetGlass) f = std::max(f, hw::f0_from_ior(eta));
+                r = Vec3<T>(f);
+                break;
+            }
             case FresnelMode::Principled: {
                 const bool film = at.film >= 0 && p[at.film] > T(0.1);
                 r = film ? hw::fresnel_principled_film(c, eta, rgb(at.f0), p[at.film], p[at.film + 1])
@@ -121,7 +127,7 @@ BsdfEval<T> eval_microfacet(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T
     // Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, equations 17, 21. The half vector
     // lies on the side of the rarer medium; the facet is real if, turned towards wo, it faces up and has wi behind it.
     const bool reachable = ho * h.z > 0 && ho * hi < 0;
-    if (!view.any_half_vector && (!reachable || m.refraction_is_delta())) return e;
+    if (!view.unreachable_too && (!reachable || m.refraction_is_delta())) return e;
     const T common = m.facets.d({h.x, h.y, std::abs(h.z)}) * sqr(m.eta / h_length) * std::abs(ho * hi);
     e.f_cos = t * (common / (wo.z * (1 + lo + li)));
     if (reachable && !m.refraction_is_delta()) e.pdf = (1 - p_reflect) * common / (wo.z * (1 + lo_exact));
@@ -315,7 +321,11 @@ BsdfEval<T> eval_shape(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi)
     if (spec.kind == LobeKind::MicrofacetGlass) {
         if (!(nl * gl > 0)) return {};
     } else if (transmits_only(spec) ? !(nl < 0 && gl < 0) : !(nl > 0 && gl > 0)) {
-        return {};
+        const bool loose = spec.kind == LobeKind::SheenAshikhmin || spec.kind == LobeKind::ToonGlossy;
+        if (!(view.unreachable_too && loose && nl > 0)) return {};
+        BsdfEval<T> e = eval_diffuse(l, view, wi);
+        e.pdf = 0;
+        return e;
     }
     if (spec.kind == LobeKind::AshikhminShirley) {
         const Frame<T> frame = lobe_frame(l);

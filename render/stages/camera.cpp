@@ -135,6 +135,18 @@ void Worker::add_path_light(const Path& path, Vec3f value, int light_group, bool
     else add_layer(path.slot, background ? kBackgroundLayer : kEmissionLayer, value);
 }
 
+float Worker::sampled_weight(float light_pdf, float scatter_pdf, bool is_delta_light) const {
+    if (is_delta_light || plan_->settings.light_strategy == RenderSettings::LightStrategy::Lights) return 1;
+    if (plan_->settings.light_strategy == RenderSettings::LightStrategy::Scattering) return 0;
+    return power_heuristic(light_pdf, scatter_pdf);
+}
+
+float Worker::met_weight(float light_pdf, float scatter_pdf) const {
+    if (scatter_pdf == 0 || light_pdf == 0 || plan_->settings.light_strategy == RenderSettings::LightStrategy::Scattering) return 1;
+    if (plan_->settings.light_strategy == RenderSettings::LightStrategy::Lights) return 0;
+    return power_heuristic(scatter_pdf, light_pdf);
+}
+
 uint32_t Worker::ray_visibility(const RayHistory& h) const {
     if (h.kinds & kRayCamera) return kVisibleCamera;
     if (h.kinds & kRayTransmission) return kVisibleTransmission;

@@ -37,7 +37,7 @@ void Worker::meet_lamps(uint32_t index, float t_max) {
         if (!(lamp.light().visibility & ray_visibility(path.history))) continue;
         LampSample s;
         if (!lamp.intersect(path.history.origin, path.history.direction, path.t_min, t_max, s)) continue;
-        const float weight = path.scatter_pdf > 0 ? power_heuristic(path.scatter_pdf, s.pdf * v.probability) : 1.f;
+        const float weight = met_weight(s.pdf * v.probability, path.scatter_pdf);
         const Vec3f value = path.throughput * s.radiance * weight;
         if (is_black(value)) continue;
         if (const SceneProgram* const program = lights.lamp_program(v.lamp)) {
@@ -63,8 +63,8 @@ void Worker::meet_background() {
             continue;
         }
         if (world.is_black() || !(world.visibility & ray_visibility(path.history))) continue;
-        const float weight =
-            path.scatter_pdf > 0 ? power_heuristic(path.scatter_pdf, lights.world_pdf(path.history.direction)) : 1.f;
+        const float light_pdf = path.scatter_pdf > 0 ? lights.world_pdf(path.history.direction) : 0.f;
+        const float weight = met_weight(light_pdf, path.scatter_pdf);
         const Vec3f value = path.throughput * weight;
         if (!world.program) {
             add_path_light(path, value * world.constant, world.light_group, true);

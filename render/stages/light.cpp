@@ -45,7 +45,7 @@ void Worker::sample_light(const Path& path, uint32_t index, const ShadingPoint& 
         }
     }
     if (is_black(e.f_cos)) return;
-    const float weight = light.is_delta ? 1.f : power_heuristic(light.pdf, e.pdf);
+    const float weight = sampled_weight(light.pdf, e.pdf, light.is_delta);
 
     ShadowRay s;
     s.value = path.throughput * e.f_cos * light.radiance * (weight / light.pdf);

@@ -101,8 +101,9 @@ bool Worker::shade_point(Path& path, uint32_t index, const ShadingPoint& point, 
 void Worker::emit(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf) {
     const Vec3f radiance = bsdf.emission();
     if (is_black(radiance)) return;
-    float weight = 1;
-    if (path.scatter_pdf > 0) weight = power_heuristic(path.scatter_pdf, plan_->scene.lights->mesh_pdf(path.history.origin, point));
+    // The density of light sampling is that of the vertex the ray left; surfaces passed straight through do not change it.
+    const float light_pdf = path.scatter_pdf > 0 ? plan_->scene.lights->mesh_pdf(path.history.origin, point) : 0.f;
+    const float weight = met_weight(light_pdf, path.scatter_pdf);
     add_path_light(path, path.throughput * radiance * weight, plan_->scene.surfaces->instances()[point.instance].light_group, false);
 }
 

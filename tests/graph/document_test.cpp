@@ -47,7 +47,7 @@ TEST(Document, each_fault_has_pointer_code_and_suggestion) {
         {R"({"nodes": {"a": {"type": "TestDiffuse", "params": {"color": [1, 2]}}}})", "/graph/nodes/a/params/color", "wrong-type", ""},
         {R"({"nodes": {"a": {"type": "TestProbe", "params": {"input": {"node": "b", "component": "q"}}}, "b": {"type": "TestProbe"}}})", "/graph/nodes/a/params/input/component", "wrong-type", ""},
         {R"({"nodes": {"a": {"type": "TestProbe", "params": {"input": {"node": "d"}}}, "d": {"type": "TestDiffuse"}}})", "/graph/nodes/a/params/input", "wrong-type", ""},
-        {R"({"nodes": {"a": {"type": "TestMixClosure", "params": {"a": {"node": "p"}}}, "p": {"type": "TestProbe"}}})", "/graph/nodes/a/params/a", "wrong-type", ""},
+        {R"({"nodes": {"a": {"type": "TestMixClosure", "params": {"a": "white"}}, "p": {"type": "TestProbe"}}})", "/graph/nodes/a/params/a", "wrong-type", ""},
         {R"({"nodes": {"a": {"type": "TestProbe"}}, "outputs": {"surface": {"node": "a"}}})", "/graph/outputs/surface", "wrong-type", ""},
         {R"({"nodes": {"a": {"type": "TestProbe", "params": {"input": {"node": "a"}}}}})", "/graph/nodes/a/params/input", "cycle", ""},
         {R"({"nodes": {"a": {"type": "TestDiffuse"}}, "outputs": {"volume": {"node": "a"}}})", "/graph/outputs/volume", "unsupported", ""},

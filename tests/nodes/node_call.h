@@ -33,6 +33,7 @@ class NodeCall {
             for (int c = 0; c < channels(g); ++c) channel_.push_back({0.0});
     }
     NodeCall& set(const std::string& param, double x) { return set(param, {x}); }
+    NodeCall& set(const std::string& param, int x) { return set(param, {static_cast<double>(x)}); }
     /// One constant: as many numbers as the parameter has channels.
     NodeCall& set(const std::string& param, std::initializer_list<double> x) {
         const int p = index(param);

@@ -278,7 +278,7 @@ void expect_finite(const LobeCase& c) {
             const double x = random();
             return static_cast<T>(x < 0.1 ? 0 : x > 0.9 ? 1 - std::numeric_limits<T>::epsilon() / 2 : x);
         };
-        view.any_half_vector = i % 2;
+        view.unreachable_too = i % 2;
         const BsdfSample<T> s = sample_lobe(l, view, u(), u(), u());
         const auto finite = [](Vec3<T> v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
         std::string text = c.name;

@@ -1,0 +1,21 @@
+// Voronoi Texture in 1 dimension: the kernel alone; the node is in tex_voronoi.cpp.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "nodes/texture/tex_voronoi_1d.cpp"
+#include "hwy/foreach_target.h"
+
+#include "nodes/texture/tex_voronoi-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alder::HWY_NAMESPACE {
+template <class F>
+void tex_voronoi_1d(const Call<F>& c) { tex_voronoi_dimension<1>(c); }
+ALDER_KERNEL(tex_voronoi_1d)
+}  // namespace alder::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace alder {
+ALDER_KERNEL_EXPORT(tex_voronoi_1d)
+Kernel tex_voronoi_1d() { return tex_voronoi_1d_kernel(); }
+}  // namespace alder
+#endif

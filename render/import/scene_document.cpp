@@ -1,0 +1,121 @@
+// Scene documents: the whole.
+#include "render/import/scene_document.h"
+
+#include <algorithm>
+
+#include "render/import/scene_parts.h"
+
+namespace alder {
+
+using nlohmann::json;
+
+namespace {
+
+void read_meshes(SceneReading& s, const json& j, const std::string& pointer) {
+    JsonReader all = s.object(j, pointer);
+    if (!all.ok()) return;
+    if (j.size() > s.options.limits.meshes) {
+        add_error(s.d, pointer, "limit-exceeded", std::to_string(j.size()) + " meshes", "at most " + std::to_string(s.options.limits.meshes));
+        return;
+    }
+    // Meshes about which the earlier revision's document says the same are that revision's.
+    const json* before = nullptr;
+    std::map<std::string_view, std::shared_ptr<const Mesh>> kept;
+    if (s.options.previous && s.options.previous_document && s.options.previous_document->contains("meshes")) {
+        before = &(*s.options.previous_document)["meshes"];
+        for (const auto& m : s.options.previous->meshes) kept.emplace(m->name, m);
+    }
+    for (const auto& [name, value] : j.items()) {
+        uint32_t slots = 1;
+        std::shared_ptr<const Mesh> mesh;
+        if (const auto k = kept.find(name); before && k != kept.end() && before->contains(name) && (*before)[name] == value) {
+            mesh = k->second;
+            for (uint32_t m : mesh->face_material) slots = std::max(slots, m + 1);
+        } else {
+            mesh = read_mesh(s, name, value, pointer + "/" + pointer_token(name), slots);
+        }
+        // A faulty mesh keeps its place, so that instances of it are not reported as well.
+        s.mesh_index.emplace(name, uint32_t(s.scene.meshes.size()));
+        s.scene.meshes.push_back(std::move(mesh));
+        s.mesh_slots.push_back(slots);
+    }
+}
+
+void read_materials(SceneReading& s, const json& j, const std::string& pointer) {
+    JsonReader all = s.object(j, pointer);
+    if (!all.ok()) return;
+    if (j.size() > s.options.limits.materials) {
+        add_error(s.d, pointer, "limit-exceeded", std::to_string(j.size()) + " materials", "at most " + std::to_string(s.options.limits.materials));
+        return;
+    }
+    for (const auto& [name, value] : j.items()) {
+        const std::string here = pointer + "/" + pointer_token(name);
+        if (name.empty()) {
+            add_error(s.d, here, "wrong-value", "an empty name", "a name");
+            continue;
+        }
+        SceneMaterial m;
+        m.name = name;
+        const auto other = s.options.material_overrides.find(name);
+        json graph = other == s.options.material_overrides.end() ? value : other->second;
+        if (value.is_object() && value.contains("pass_index")) {   // the scene's, not the graph's
+            JsonReader r(value, here, s.d, true);
+            r.integer("pass_index", m.pass_index, 0, 1 << 24);
+            if (graph.is_object()) graph.erase("pass_index");
+        }
+        m.graph = read_graph(s, graph, here);
+        s.material_index.emplace(name, uint32_t(s.scene.materials.size()));
+        s.scene.materials.push_back(std::move(m));
+    }
+    for (const auto& [name, graph] : s.options.material_overrides) {
+        if (s.material_index.count(name)) continue;
+        std::vector<std::string> known;
+        for (const auto& [n, index] : s.material_index) known.push_back(n);
+        add_error(s.d, pointer + "/" + pointer_token(name), "unknown-material", name, "a material of the scene", nearest_name(name, known));
+    }
+}
+
+}  // namespace
+
+std::shared_ptr<const Material> read_graph(SceneReading& s, const json& j, const std::string& pointer) {
+    MaterialOptions options;
+    options.lenient = s.options.lenient;
+    options.pointer_prefix = pointer;
+    options.resolve_image = s.options.resolve_image;
+    return s.options.cache ? s.options.cache->get(j, options, s.d) : build_material(j, options, s.d);
+}
+
+bool SceneReading::unsupported(JsonReader& r, const char* key, const char* what) {
+    const json* j = r.member(key);
+    if (!j || j->is_null() || ((j->is_object() || j->is_array()) && j->empty())) return false;
+    if (options.lenient) add_warning(d, r.pointer_to(key), "unsupported", describe(*j), what);
+    else add_error(d, r.pointer_to(key), "unsupported", describe(*j), what);
+    return true;
+}
+
+std::shared_ptr<const Scene> scene_from_json(const json& document, const SceneLoadOptions& options, Diagnostics& d) {
+    const size_t faults = d.errors.size(), earlier_warnings = d.warnings.size();
+    SceneReading s(options, d);
+    JsonReader top = s.object(document, options.pointer_prefix);
+    if (!top.ok()) return nullptr;
+    int version = 0;
+    if (top.required("alder_scene", "the version of the layout, 1")) top.integer("alder_scene", version, 1, kSceneVersion);
+    if (d.errors.size() > faults) return nullptr;
+    top.text("name", s.scene.name);
+    if (const json* j = top.member("settings")) read_settings(s, *j, top.pointer_to("settings"));
+    read_cameras(s, top);
+    if (const json* j = top.member("materials")) read_materials(s, *j, top.pointer_to("materials"));
+    if (const json* j = top.member("meshes")) read_meshes(s, *j, top.pointer_to("meshes"));
+    if (const json* j = top.member("instances")) read_instances(s, *j, top.pointer_to("instances"));
+    if (const json* j = top.member("lights")) read_lights(s, *j, top.pointer_to("lights"));
+    if (const json* j = top.member("world")) read_world(s, *j, top.pointer_to("world"));
+    s.unsupported(top, "curves", "hair curves are not rendered yet");
+    s.unsupported(top, "points", "point clouds are not rendered yet");
+    s.unsupported(top, "volumes", "volumes are not rendered yet");
+    top.finish();
+    if (d.errors.size() > faults) return nullptr;
+    for (size_t i = earlier_warnings; i < d.warnings.size(); ++i) s.scene.warnings.push_back(d.warnings[i].line());
+    return std::make_shared<const Scene>(std::move(s.scene));
+}
+
+}  // namespace alder

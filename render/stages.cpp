@@ -1,0 +1,215 @@
+// Preview stages: a shader ball, a sphere or a plate in a small photo studio.
+// Studio: grey floor with a faint checker that runs up into the back wall; key softbox from the upper left, broad weak fill
+// from the right, a narrow strip behind for the rim, and a soft gradient all round so that polished materials have
+// something to reflect. Seen with a 70 mm lens, slightly from above.
+#include "render/stages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/stage_shapes.h"
+
+namespace alder {
+namespace {
+
+enum StageMaterial : uint32_t { kSubject, kFloor, kStand };
+enum StageLightGroup { kKey = 1, kFill = 2, kRim = 3 };
+
+// The stage's own materials are ordinary graph documents.
+constexpr const char* kFloorGraph = R"({"version": 1, "nodes": {
+  "uv": {"type": "ShaderNodeTexCoord"},
+  "checker": {"type": "ShaderNodeTexChecker", "params": {"Vector": {"node": "uv", "output": "UV"}, "Scale": 2.0,
+      "Color1": [0.19, 0.19, 0.195], "Color2": [0.145, 0.145, 0.15]}},
+  "bsdf": {"type": "ShaderNodeBsdfDiffuse", "params": {"Color": {"node": "checker", "output": "Color"}}}},
+  "outputs": {"surface": {"node": "bsdf"}}})";
+constexpr const char* kStandGraph = R"({"version": 1, "nodes": {
+  "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.025, 0.026, 0.028], "Roughness": 0.4}}},
+  "outputs": {"surface": {"node": "bsdf"}}})";
+constexpr const char* kDefaultGraph = R"({"version": 1, "nodes": {
+  "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.5, 0.5, 0.5], "Roughness": 0.35}}},
+  "outputs": {"surface": {"node": "bsdf"}}})";
+// Darker below, brightest above the horizon: by the direction's height.
+constexpr const char* kWorldGraph = R"({"version": 1, "nodes": {
+  "direction": {"type": "ShaderNodeTexCoord"},
+  "split": {"type": "ShaderNodeSeparateXYZ", "params": {"Vector": {"node": "direction", "output": "Generated"}}},
+  "height": {"type": "ShaderNodeMapRange", "params": {"Value": {"node": "split", "output": "Z"}, "From Min": -0.2, "From Max": 1.0}},
+  "sky": {"type": "ShaderNodeValToRGB", "params": {"Fac": {"node": "height", "output": "Result"}, "color_ramp": {
+      "color_mode": "RGB", "interpolation": "EASE", "elements": [
+        {"position": 0.0, "color": [0.06, 0.06, 0.065, 1]}, {"position": 0.3, "color": [0.36, 0.37, 0.39, 1]},
+        {"position": 1.0, "color": [0.75, 0.78, 0.82, 1]}]}}},
+  "background": {"type": "ShaderNodeBackground", "params": {"Color": {"node": "sky", "output": "Color"}, "Strength": 0.6}}},
+  "outputs": {"surface": {"node": "background"}}})";
+
+std::shared_ptr<const Material> built_in(const char* text) {
+    Diagnostics d;
+    std::shared_ptr<const Material> m = build_material(nlohmann::json::parse(text), {}, d);
+    if (!m) throw std::logic_error("a stage's own graph does not compile: " + (d.errors.empty() ? text : d.errors[0].line()));
+    return m;
+}
+
+Vec3f unit(Vec3f v) { return v / std::sqrt(dot(v, v)); }
+
+/// Places something that looks or shines along its -Z at `from`, aimed at `to`, with +Y as far up as that allows.
+Transform aimed(Vec3f from, Vec3f to) {
+    const Vec3f z = unit(from - to), x = unit(cross(Vec3f(0, 0, 1), z)), y = cross(z, x);
+    return {{x.x, y.x, z.x, from.x, x.y, y.y, z.y, from.y, x.z, y.z, z.z, from.z}};
+}
+
+Transform placed(float x, float y, float z, float tilt = 0) {
+    const float c = std::cos(tilt), s = std::sin(tilt);   // about X
+    return {{1, 0, 0, x, 0, c, -s, y, 0, s, c, z}};
+}
+
+Light area_light(const char* name, Vec3f from, Vec3f to, float size_x, float size_y, float watts, Vec3f color, StageLightGroup group) {
+    Light l;
+    l.name = name;
+    l.kind = LightKind::Area;
+    l.to_world = aimed(from, to);
+    l.size_x = size_x;
+    l.size_y = size_y;
+    l.strength = watts;
+    l.color = color;
+    l.light_group = group;
+    l.visibility = kVisibleAll & ~uint32_t(kVisibleCamera);   // seen in reflections only
+    return l;
+}
+
+/// Everything but the subject: shared by all stages.
+Scene make_studio() {
+    Scene s;
+    s.materials.resize(3);
+    s.materials[kSubject].name = "subject";
+    s.materials[kFloor] = {"floor", built_in(kFloorGraph)};
+    s.materials[kStand] = {"stand", built_in(kStandGraph)};
+    s.meshes.push_back(make_cyclorama(14, -9, 6, 3.5f, 9));
+    Instance studio;
+    studio.name = "studio";
+    studio.materials = {kFloor};
+    s.instances.push_back(studio);
+
+    const Vec3f subject(0, 0, 1.1f);
+    s.lights.push_back(area_light("key", {-3.4f, -3.0f, 4.9f}, subject, 2.2f, 2.2f, 380, {1.0f, 0.965f, 0.92f}, kKey));
+    s.lights.push_back(area_light("fill", {4.6f, -3.4f, 2.4f}, subject, 3.0f, 3.6f, 110, {0.90f, 0.95f, 1.0f}, kFill));
+    s.lights.push_back(area_light("rim", {2.9f, 3.1f, 3.6f}, subject, 0.7f, 3.2f, 190, {1.0f, 1.0f, 1.0f}, kRim));
+    s.world.graph = built_in(kWorldGraph);
+    s.world.importance_resolution = 64;   // a smooth gradient
+
+    constexpr float kLens = 70, kSensor = 36;
+    s.camera.name = "camera";
+    s.camera.fov_x = 2 * std::atan(kSensor / (2 * kLens));
+    s.settings.samples = 64;
+    s.settings.max_bounces = 8;
+    s.settings.diffuse_bounces = 3;
+    s.settings.glossy_bounces = 4;
+    s.settings.transmission_bounces = 8;
+    return s;
+}
+
+void aim_camera(Scene& s, Vec3f target, float distance, float elevation_degrees) {
+    const float e = elevation_degrees * 3.14159265f / 180;
+    s.camera.to_world = aimed(target + Vec3f(0, -std::cos(e), std::sin(e)) * distance, target);
+    s.camera.focus_distance = distance;
+}
+
+void add(Scene& s, const char* name, std::shared_ptr<const Mesh> mesh, const Transform& where, uint32_t material) {
+    Instance i;
+    i.name = name;
+    i.mesh = uint32_t(s.meshes.size());
+    i.object_to_world = where;
+    i.materials = {material};
+    s.meshes.push_back(std::move(mesh));
+    s.instances.push_back(std::move(i));
+}
+
+Scene shader_ball_stage() {
+    // Outlines run up from the floor on the outside and end inside: turned that way round, surfaces face outwards.
+    constexpr OutlinePoint kStandOutline[] = {{0.90f, 0, 0},          {0.88f, 0.075f, 0.04f}, {0.60f, 0.11f, 0.1f},
+                                              {0.52f, 0.22f, 0.1f},   {0.60f, 0.32f, 0.04f},  {0.60f, 0.375f, 0.03f},
+                                              {0.535f, 0.375f, 0.015f}, {0.47f, 0.31f, 0.02f}, {0, 0.31f, 0}};
+    constexpr OutlinePoint kRingOutline[] = {{1.06f, 0, 0}, {1.04f, 0.085f, 0.035f}, {0.92f, 0.085f, 0.035f}, {0.92f, 0, 0}};
+    Scene s = make_studio();
+    s.name = "shaderball";
+    add(s, "ball", make_shader_ball(), placed(0, 0, 1.2f), kSubject);
+    add(s, "ring", make_turned("ring", kRingOutline, 128), Transform{}, kSubject);
+    add(s, "stand", make_turned("stand", kStandOutline, 96), Transform{}, kStand);
+    aim_camera(s, {0, 0, 1.06f}, 5.9f, 13);
+    return s;
+}
+
+Scene sphere_stage() {
+    Scene s = make_studio();
+    s.name = "sphere";
+    add(s, "sphere", make_sphere(), placed(0, 0, 1), kSubject);
+    aim_camera(s, {0, 0, 0.98f}, 5.6f, 13);
+    return s;
+}
+
+Scene plane_stage() {
+    Scene s = make_studio();
+    s.name = "plane";
+    constexpr float kTilt = -0.35f;   // leans back
+    add(s, "plane", make_plate(), placed(0, 0, 1.02f, kTilt), kSubject);
+    aim_camera(s, {0, 0, 0.98f}, 5.2f, 13);
+    return s;
+}
+
+/// Built when first asked for, then kept: geometry is shared by every preview of the process.
+const Scene* base_stage(std::string_view name) {
+    if (name == "shaderball") {
+        static const Scene scene = shader_ball_stage();
+        return &scene;
+    }
+    if (name == "sphere") {
+        static const Scene scene = sphere_stage();
+        return &scene;
+    }
+    if (name == "plane") {
+        static const Scene scene = plane_stage();
+        return &scene;
+    }
+    return nullptr;
+}
+
+constexpr std::string_view kPlanned[] = {"cloth", "hair", "volume"};
+
+}  // namespace
+
+std::vector<std::string_view> stage_names() { return {"shaderball", "sphere", "plane"}; }
+
+std::shared_ptr<const Scene> make_stage(std::string_view name, std::shared_ptr<const Material> material, int size, Diagnostics& d) {
+    const Scene* base = nullptr;
+    try {
+        base = base_stage(name);
+        if (base && !material) {
+            static const std::shared_ptr<const Material> grey = built_in(kDefaultGraph);
+            material = grey;
+        }
+    } catch (const std::logic_error& e) {   // a build without one of the nodes that stages are made of
+        d.errors.push_back({"/stage", "unsupported", std::string(name), e.what(), ""});
+        return nullptr;
+    }
+    if (!base) {
+        const bool planned = std::find(std::begin(kPlanned), std::end(kPlanned), name) != std::end(kPlanned);
+        Diagnostic fault{"/stage", planned ? "unsupported" : "unknown-stage", std::string(name), "shaderball, sphere or plane", ""};
+        if (planned) {
+            fault.expected = "shaderball, sphere or plane: this stage is not available yet";
+        } else {
+            const std::string known[] = {"shaderball", "sphere", "plane"};
+            fault.suggest = nearest_name(name, known);
+        }
+        d.errors.push_back(std::move(fault));
+        return nullptr;
+    }
+    auto scene = std::make_shared<Scene>(*base);
+    scene->materials[kSubject].graph = std::move(material);
+    scene->settings.width = scene->settings.height = std::max(size, 1);
+    return scene;
+}
+
+std::shared_ptr<const Scene> make_stage(std::string_view name, std::shared_ptr<const Material> material, int size) {
+    Diagnostics d;
+    return make_stage(name, std::move(material), size, d);
+}
+
+}  // namespace alder
