@@ -71,6 +71,7 @@ enum class Global : uint8_t {
     IsCameraRay, IsShadowRay, IsDiffuseRay, IsGlossyRay, IsSingularRay, IsReflectionRay, IsTransmissionRay, IsVolumeRay,
     FaceIndex, FootprintArea, ObjectIndex, MaterialIndex, ObjectRandom, IslandRandom, Pointiness,
     BarycentricU, BarycentricV, Time, PixelFootprint, PreviousAlpha,
+    EdgeDistance,    ///< distance to the nearest edge of the triangle, world space; 0 where not known (Wireframe)
     kCount
 };
 int channels(Global g);
