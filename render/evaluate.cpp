@@ -180,6 +180,8 @@ class Evaluation {
             const auto vec = [](const std::array<double, 3>& v) { return Vec3<R>(R(v[0]), R(v[1]), R(v[2])); };
             ShadingView<R> view{vec(closure_.wo[p]), vec(ng_[p]), vec(ns_[p])};
             const Bsdf<R> bsdf(lobes, view);
+            const Vec3<R> emission = bsdf.emission();
+            results_.emission[p] = {emission.x, emission.y, emission.z};
             if (!closure_.wi.empty()) {
                 // What Cycles evaluates, sampled or not: requests compare with its tables.
                 view.unreachable_too = true;
