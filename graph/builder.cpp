@@ -44,6 +44,13 @@ class NodeLowering final : public Lowering {
         for (int i = 0; i < channels(type); ++i) r.ch[i] = b_.built_.ir.attribute(name, type, i);
         return keep(r);
     }
+    ValueRef attribute_or(const std::string& name, Type type, ValueRef fallback) override {
+        const int exists = b_.built_.ir.attribute(name + std::string(kExistsSuffix), Type::Float, 0);
+        IrRef r{type, {}};
+        for (int i = 0; i < channels(type); ++i)
+            r.ch[i] = b_.op1("attribute_or", builtin::select(), {exists, b_.built_.ir.attribute(name, type, i), refs_[fallback.id].ch[i]});
+        return keep(r);
+    }
     ValueRef constant(Type type, double x, double y, double z) override {
         IrRef r{type, {}};
         const double v[3] = {x, y, z};

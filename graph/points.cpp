@@ -303,6 +303,9 @@ void PointSet::append(const ProgramInput& in, std::vector<ChannelValues>& channe
             set(s.varies() ? s.count : 1, [&](uint32_t i) { return s.value(Global::TangentObject, i); });
         } else if (in.attribute.ends_with(".tangent_sign") && (s.field("tangent_sign") || in.attribute == s.active_uv() + ".tangent_sign")) {
             set(s.varies() ? s.count : 1, [&](uint32_t i) { return std::array<double, 1>{s.scalar(Global::TangentSign, i)}; });
+        } else if (in.attribute.ends_with(kExistsSuffix)) {
+            const bool exists = has_attribute(in.attribute.substr(0, in.attribute.size() - kExistsSuffix.size()));
+            set(1, [&](uint32_t) { return std::array<double, 4>{exists ? 1.0 : 0.0}; });
         } else {
             set(1, [](uint32_t) { return std::array<double, 4>{}; });
         }
