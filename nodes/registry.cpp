@@ -67,7 +67,7 @@ constexpr GlobalRow kGlobals[] = {
     {Global::ObjectRandom, 1, "object_random"}, {Global::IslandRandom, 1, "island_random"},
     {Global::Pointiness, 1, "pointiness"}, {Global::BarycentricU, 1, "barycentric_u"},
     {Global::BarycentricV, 1, "barycentric_v"}, {Global::Time, 1, "time"}, {Global::PixelFootprint, 1, "pixel_footprint"},
-    {Global::PreviousAlpha, 1, "previous_alpha"},
+    {Global::PreviousAlpha, 1, "previous_alpha"}, {Global::EdgeDistance, 1, "edge_distance"},
 };
 static_assert(std::size(kGlobals) == static_cast<size_t>(Global::kCount));
 
