@@ -34,7 +34,7 @@ TEST_F(AssetsTest, put_get_head_delete) {
     EXPECT_EQ(put(content).status, 200) << "there already";
     const auto got = ask("GET", path);
     EXPECT_EQ(got.status, 200);
-    EXPECT_EQ(got.body, content);
+    EXPECT_TRUE(got.body == content) << got.body.size() << " bytes";
     EXPECT_EQ(got.headers.at("etag"), "\"" + name_of(content) + "\"");
     EXPECT_NE(got.headers.at("cache-control").find("immutable"), std::string::npos);
     const auto head = ask("HEAD", path);
@@ -128,7 +128,7 @@ TEST_F(AssetsTest, the_same_asset_from_many_clients_at_once) {
     for (auto& t : threads) t.join();
     EXPECT_EQ(good, 8);
     EXPECT_EQ(files(), 1u);
-    EXPECT_EQ(ask("GET", "/v1/assets/" + name_of(content)).body, content);
+    EXPECT_TRUE(ask("GET", "/v1/assets/" + name_of(content)).body == content);
 }
 
 TEST_F(AssetsTest, survives_a_restart) {

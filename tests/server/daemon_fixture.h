@@ -40,6 +40,7 @@ class DaemonTest : public ::testing::Test {
         return ask("POST", target, body.dump(), "Content-Type: application/json\r\n" + headers);
     }
     static nlohmann::json json_of(const Answer& a) { return nlohmann::json::parse(a.body, nullptr, false); }
+    static nlohmann::json errors_of(const Answer& a) { return json_of(a).value("errors", nlohmann::json::array()); }
     /// Status and last part of the problem's type: "422 graph-invalid".
     static std::string problem_of(const Answer& a) {
         const auto j = json_of(a);

@@ -101,7 +101,7 @@ TEST_F(PreviewTest, all_faults_at_once) {
     const auto a = post("/v1/preview", {{"graph", surface_graph()}, {"stage", "spher"}, {"size", 0}, {"samles", 4}, {"seed", -1}, {"view", {{"transform", "rec709"}}}});
     EXPECT_EQ(problem_of(a), "422 settings-invalid");
     std::map<std::string, std::string> found;
-    for (const auto& e : json_of(a)["errors"]) found[e["pointer"]] = e.value("suggest", "");
+    for (const auto& e : errors_of(a)) found[e["pointer"]] = e.value("suggest", "");
     EXPECT_EQ(found.size(), 5u) << a.body;
     EXPECT_EQ(found["/stage"], "sphere");
     EXPECT_EQ(found["/samles"], "samples");

@@ -25,7 +25,7 @@ TEST_F(ServiceTest, health_pages_answer) {
     EXPECT_EQ(home.status, 200);
     EXPECT_EQ(home.headers.at("content-type"), "text/html; charset=utf-8");
     EXPECT_EQ(home.headers.at("alder-request-id").size(), 26u);
-    const auto metrics = ask("GET", "/metrics").body;
+    const std::string metrics = ask("GET", "/metrics").body;
     EXPECT_NE(metrics.find("alder_http_requests_total{route=\"/livez\",method=\"GET\",code=\"200\"} 1"), std::string::npos);
     EXPECT_EQ(metrics.substr(metrics.size() - 6), "# EOF\n");
 }
@@ -97,7 +97,7 @@ TEST_F(ServiceTest, evaluates) {
     start();
     const auto a = post("/v1/evaluate", {{"graph", remap_graph(2)}, {"points", {{"count", 3}, {"attributes", {{"x", {0.25, 0.5, 0.75}}}}}}, {"outputs", {"r"}}});
     ASSERT_EQ(a.status, 200) << a.body;
-    const auto values = json_of(a)["outputs"]["r"];
+    const json values = json_of(a)["outputs"]["r"];
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(values[i].get<double>(), 0.5 * i, 1e-6);
     EXPECT_EQ(json_of(a)["stats"]["points"], 3);
 }
@@ -110,7 +110,7 @@ TEST_F(ServiceTest, all_faults_at_once_with_the_nearest_names) {
     const auto a = post("/v1/evaluate", {{"graph", graph}, {"points", {{"count", 1}}}, {"outputs", {"r"}}});
     EXPECT_EQ(problem_of(a), "422 request-invalid");
     std::map<std::string, std::string> suggestions;
-    for (const auto& e : json_of(a)["errors"]) suggestions[e["pointer"]] = e.value("suggest", "");
+    for (const auto& e : errors_of(a)) suggestions[e["pointer"]] = e.value("suggest", "");
     EXPECT_EQ(suggestions["/graph/nodes/r/params/RMPgian"], "RMPgain");
     EXPECT_EQ(suggestions["/graph/nodes/q/type"], "alRemapFloat");
 }
@@ -135,7 +135,7 @@ TEST_F(ServiceTest, validation_reports_instead_of_refusing) {
 TEST_F(ServiceTest, the_catalogue_lists_every_node) {
     start();
     const auto a = ask("GET", "/v1/nodes");
-    const auto list = json_of(a)["items"];
+    const json list = json_of(a)["items"];
     ASSERT_EQ(list.size(), all_nodes().size());
     for (const auto& node : list) {
         EXPECT_FALSE(node["name"].get<std::string>().empty());
