@@ -161,7 +161,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     /// Programs of this material that hold for `to` as well, which differs in one constant.
     void carry_over(const MaterialImpl& to, int node, int param) const {
         const Statics before = make_statics(*document_->nodes[node]), after = make_statics(*to.document_->nodes[node]);
-        const bool facts_changed = before.zero != after.zero || before.at_default != after.at_default;
+        const bool facts_changed = before.zero != after.zero || before.one != after.one || before.at_default != after.at_default;
         std::lock_guard lock(mutex_);
         std::lock_guard lock_to(to.mutex_);
         for (const auto& [r, p] : programs_) {

@@ -98,6 +98,8 @@ struct Param {
     bool takes_links = true;
     bool has_default_global = false;  ///< unlinked: reads `default_global` and not the constant (Blender's hidden Vector, Normal)
     Global default_global = Global::P;
+    /// Unlinked: a value made from several globals, in place of `default_global` (which then stands for it in listings). Optional.
+    struct ValueRef (*unlinked_value)(class Lowering&) = nullptr;
     std::string label, group, help;
     std::vector<std::string> aliases;
     uint64_t only_lobes = ~uint64_t{0};  ///< closure nodes: bits of the lobes (in lobes() order) that read this parameter
@@ -151,12 +153,13 @@ struct Statics {
     std::vector<LobeSpec> lobes;        ///< closure nodes: the static lobe set
     std::vector<int> lobe_offset;       ///< first output channel of each lobe
     std::shared_ptr<const Prepared> prepared;
-    /// Numeric parameters: constant and 0 in every channel; unlinked and at the default. lobes() and uses() may rely on them:
-    /// a constant that moves across either is a change of structure. Short or empty = not known.
-    std::vector<bool> zero, at_default;
-    std::vector<char>* asked = nullptr;  ///< while compiling: parameters whose zero or default was looked at
+    /// Numeric parameters: constant and 0 in every channel; constant and 1; unlinked and at the default. lobes() and uses() may
+    /// rely on them: a constant that moves across one of these is a change of structure. Short or empty = not known.
+    std::vector<bool> zero, one, at_default;
+    std::vector<char>* asked = nullptr;  ///< while compiling: parameters for which one of these was looked at
     int e(int param) const { return enums[param]; }
     bool is_zero(int param) const { return fact(zero, param); }
+    bool is_one(int param) const { return fact(one, param); }
     bool is_default(int param) const { return fact(at_default, param); }
 
   private:
