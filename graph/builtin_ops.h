@@ -10,6 +10,7 @@ Kernel to_bool();           ///< != 0
 Kernel multiply();          ///< a b -> a*b
 Kernel add();               ///< a b -> a+b
 Kernel mad();               ///< a b c -> a*b + c
+Kernel select();            ///< m a b -> m != 0 ? a : b
 Kernel guard_nonzero();     ///< a -> a != 0 (NaN counts as needed)
 Kernel guard_positive();    ///< a -> a > 0
 Kernel guard_below_one();   ///< a -> a < 1

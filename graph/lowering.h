@@ -25,12 +25,8 @@ class Lowering {
     virtual ValueRef global(Global g) = 0;
     /// Geometry attribute by name.
     virtual ValueRef attribute(const std::string& name, Type type) = 0;
-    /// The same, `fallback` (of that type) for geometry that lacks the attribute. An implementation without knowledge of the
-    /// geometry reads it as present.
-    virtual ValueRef attribute_or(const std::string& name, Type type, ValueRef fallback) {
-        (void)fallback;
-        return attribute(name, type);
-    }
+    /// The same, `fallback` (of that type) for geometry that lacks the attribute.
+    virtual ValueRef attribute_or(const std::string& name, Type type, ValueRef fallback) = 0;
     virtual ValueRef constant(Type type, double x, double y = 0, double z = 0) = 0;
     /// The node's own kernel run as one op on explicit operands (in the order of OpCall::in); returns output `output`.
     /// Operands replace the parameters; `globals` of the node follow automatically.

@@ -4,11 +4,15 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "nodes/schema.h"
 
 namespace alder {
+
+/// Appended to the name of an attribute: one channel, 1 where the geometry has the attribute and 0 elsewhere.
+inline constexpr std::string_view kExistsSuffix = ".exists";
 
 /// A shading global or geometry attribute the program reads. The caller gives one Channel per channel, in this order.
 struct ProgramInput {

@@ -71,6 +71,7 @@ enum class Global : uint8_t {
     IsCameraRay, IsShadowRay, IsDiffuseRay, IsGlossyRay, IsSingularRay, IsReflectionRay, IsTransmissionRay, IsVolumeRay,
     FaceIndex, FootprintArea, ObjectIndex, MaterialIndex, ObjectRandom, IslandRandom, Pointiness,
     BarycentricU, BarycentricV, Time, PixelFootprint, PreviousAlpha,
+    EdgeDistance,    ///< distance to the nearest edge of the triangle, world space; 0 where not known (Wireframe)
     kCount
 };
 int channels(Global g);
@@ -235,6 +236,8 @@ struct NodeType {
 
     /// Whether a parameter has any effect given the statics (unavailable sockets, switched-off features). Optional.
     bool (*uses)(const Statics&, int param) = nullptr;
+    /// The same for globals[index]; what is not used reads as zero. Optional.
+    bool (*uses_global)(const Statics&, int index) = nullptr;
     /// Bakes tables, opens images. Appends to `errors` what is wrong. Optional. Must not throw.
     std::shared_ptr<const Prepared> (*prepare)(const Statics&, std::vector<std::string>& errors) = nullptr;
     /// Lazy inputs given the statics. Optional.

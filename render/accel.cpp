@@ -82,10 +82,31 @@ RTCScene build_mesh(const Mesh& mesh) {
     return scene;
 }
 
-bool is_finite(const Transform& t) {
-    for (float x : t.m)
-        if (!std::isfinite(x)) return false;
-    return true;
+/// Embree takes coordinates up to this (its FLT_LARGE, 1.8e18, with room for rounding), and some builds stop the process at
+/// others: what would exceed it is left out of the scene, or met by no ray.
+constexpr float kLargest = 1e18f;
+
+float largest_row(const Transform& t) {
+    float r = 0;
+    for (int row = 0; row < 3; ++row) {
+        float sum = 0;
+        for (int c = 0; c < 4; ++c) sum += std::abs(t.m[row * 4 + c]);
+        r = sum > r || !(sum == sum) ? sum : r;  // NaN wins
+    }
+    return r;
+}
+
+/// Largest coordinate of a mesh's box after a transform; NaN or infinity where either is not finite.
+float extent(RTCScene mesh, const Transform& t) {
+    RTCBounds b;
+    rtcGetSceneBounds(mesh, &b);
+    float largest = 0;
+    for (int k = 0; k < 8; ++k) {
+        const Vec3f p = t.point({k & 1 ? b.upper_x : b.lower_x, k & 2 ? b.upper_y : b.lower_y, k & 4 ? b.upper_z : b.lower_z});
+        for (const float x : {p.x, p.y, p.z})
+            if (!(std::abs(x) <= largest)) largest = std::abs(x);
+    }
+    return largest;
 }
 
 }  // namespace
@@ -93,6 +114,12 @@ bool is_finite(const Transform& t) {
 struct Accel::Impl {
     std::vector<RTCScene> meshes;
     RTCScene top = nullptr;
+    float largest_origin = kLargest;  ///< of rays that stay within Embree's range in every instance
+    bool takes(const Ray& r) const {
+        // Written so that NaN fails.
+        const auto within = [](Vec3f v, float limit) { return std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit; };
+        return within(r.origin, largest_origin) && within(r.direction, 2.f) && r.t_min <= r.t_max;
+    }
     ~Impl() {
         if (top) rtcReleaseScene(top);
         for (RTCScene s : meshes)
@@ -112,10 +139,24 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
 
     impl_->top = rtcNewScene(device());
     set_flags(impl_->top);
+    float scene_extent = 1;
+    std::vector<float> extents(instances.size(), -1.f);
+    for (size_t i = 0; i < instances.size(); ++i) {
+        RTCScene mesh = impl_->meshes[instances[i].mesh];
+        if (!mesh || instances[i].visibility == 0) continue;
+        const float e = extent(mesh, instances[i].object_to_world);
+        if (!(e < 0.1f * kLargest) || instances[i].object_to_world.determinant() == 0) continue;
+        extents[i] = e;
+        scene_extent = std::max(scene_extent, e);
+    }
     for (size_t i = 0; i < instances.size(); ++i) {
         const Instance& instance = instances[i];
         RTCScene mesh = impl_->meshes[instance.mesh];
-        if (!mesh || instance.visibility == 0 || !is_finite(instance.object_to_world)) continue;
+        if (extents[i] < 0) continue;
+        // So small that the scene around it would overflow in its coordinates: nothing of it could be seen.
+        const float inverse = largest_row(instance.object_to_world.inverse());
+        if (!(inverse * scene_extent < 0.01f * kLargest)) continue;
+        impl_->largest_origin = std::min(impl_->largest_origin, 0.1f * kLargest / std::max(inverse, 1.f));
         RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, mesh);
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.object_to_world.m.data());
@@ -138,6 +179,8 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
 Accel::~Accel() = default;
 
 bool Accel::intersect(const Ray& ray, uint32_t visibility, Hit& hit) const {
+    hit.instance = kNothing;
+    if (!impl_->takes(ray)) return false;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit r;
@@ -145,15 +188,13 @@ bool Accel::intersect(const Ray& ray, uint32_t visibility, Hit& hit) const {
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(impl_->top, &context, &r);
-    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-        hit.instance = kNothing;
-        return false;
-    }
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit = {r.ray.tfar, r.hit.u, r.hit.v, r.hit.instID[0], r.hit.primID};
     return true;
 }
 
 Occlusion Accel::occluded(const Ray& ray, const ShadowFilter* filter) const {
+    if (!impl_->takes(ray)) return Occlusion::Clear;
     FilterContext context;
     rtcInitIntersectContext(&context);
     if (filter) {

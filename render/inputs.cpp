@@ -273,9 +273,12 @@ InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
         Entry e{in, {}};
         if (in.is_attribute) {
             e.attribute_by_mesh.assign(surfaces.meshes().size(), nullptr);
+            std::string_view name = in.attribute;
+            e.exists = name.ends_with(kExistsSuffix);
+            if (e.exists) name.remove_suffix(kExistsSuffix.size());
             for (size_t m = 0; m < surfaces.meshes().size(); ++m)
                 for (const Attribute& a : surfaces.meshes()[m]->attributes)
-                    if (a.name == in.attribute && a.channels >= 1 && a.channels <= 4) e.attribute_by_mesh[m] = &a;
+                    if (a.name == name && a.channels >= 1 && a.channels <= 4) e.attribute_by_mesh[m] = &a;
         }
         channels_ += in.channels;
         entries_.push_back(std::move(e));
@@ -297,7 +300,7 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
     for (const InputPlan::Entry& e : plan.entries()) {
         const int width = e.input.channels;
         const Global g = e.input.global;
-        const bool uniform = !e.input.is_attribute && (is_constant(g) || (one_instance && is_per_instance(g)));
+        const bool uniform = e.input.is_attribute ? e.exists && one_instance : is_constant(g) || (one_instance && is_per_instance(g));
         const size_t count = uniform ? 1 : n, rows = uniform ? kPadding : padded;
         float* const out = next;
         if (e.input.is_attribute) {
@@ -305,6 +308,10 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                 const ShadingPoint& s = points[i];
                 const Attribute* const a =
                     s.instance != kNothing ? e.attribute_by_mesh[scene.surfaces->instances()[s.instance].mesh] : nullptr;
+                if (e.exists) {
+                    out[i] = a ? 1.f : 0.f;
+                    continue;
+                }
                 float v[4] = {};
                 if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
                 for (int c = 0; c < width; ++c) out[rows * c + i] = a ? converted(v, a->channels, width, c) : 0.f;

@@ -39,6 +39,7 @@ class InputPlan {
     struct Entry {
         ProgramInput input;
         std::vector<const Attribute*> attribute_by_mesh;
+        bool exists = false;   ///< what is read is whether the mesh has the attribute
     };
     const std::vector<Entry>& entries() const { return entries_; }
     int channels() const { return channels_; }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "render/emission.h"
+#include "render/light/triangle.h"
 #include "render/sampling.h"
 
 namespace alder {
@@ -130,16 +131,19 @@ void LightTable::add_mesh_emitter(MeshEmitter e, const std::vector<float>& areas
 
 bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, LightSample& s) const {
     const uint32_t triangle = e.triangles[pick(e.cdf, u_pick)];
-    // Uniform barycentrics that keep the stratification (Heitz, "A low-distortion map between triangle and square", 2019).
+    const auto corners = surfaces_->world_triangle(e.instance, triangle);
+    const SphericalTriangle spherical(corners, p);
     float b1 = u1, b2 = u2;
-    if (b2 > b1) {
+    if (spherical.is_usable()) {
+        Vec3f direction;
+        if (!spherical.sample(u1, u2, direction, b1, b2)) return false;
+    } else if (b2 > b1) {  // low-distortion map of the square (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019)
         b1 *= 0.5f;
         b2 -= b1;
     } else {
         b2 *= 0.5f;
         b1 -= b2;
     }
-    const auto corners = surfaces_->world_triangle(e.instance, triangle);
     const Vec3f q = corners[0] * (1 - b1 - b2) + corners[1] * b1 + corners[2] * b2, to = q - p;
     const float d2 = dot(to, to);
     s.distance = std::sqrt(d2);
@@ -159,6 +163,11 @@ bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float 
 float LightTable::mesh_pdf(Vec3f origin, const ShadingPoint& hit) const {
     const auto& density = area_density_[hit.instance];
     if (density.empty() || density[hit.triangle] == 0) return 0;
+    const auto corners = surfaces_->world_triangle(hit.instance, hit.triangle);
+    if (const SphericalTriangle spherical(corners, origin); spherical.is_usable()) {
+        const float area = 0.5f * length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+        return density[hit.triangle] * area / spherical.solid_angle();
+    }
     const Vec3f d = hit.p - origin;
     const float d2 = dot(d, d), cos_light = std::abs(dot(hit.ng, d)) / std::sqrt(d2);
     return cos_light > 0 ? density[hit.triangle] * d2 / cos_light : 0.f;

@@ -21,8 +21,6 @@ void Worker::shade_surfaces() {
             shade_batch(*program, programs, with_aovs, std::span(order_).subspan(i, std::min(batch, last - i)));
         }
     }
-    // Paths of a wavefront go on in the order of their samples, whatever surfaces they met.
-    std::sort(next_.begin(), next_.end());
 }
 
 void Worker::shade_batch(const SceneProgram& program, const RenderPlan::SurfacePrograms& programs, bool with_aovs,
@@ -209,7 +207,7 @@ bool Worker::scatter(Path& path, const ShadingPoint& point, const Bsdf<float>& b
         else last = last || ++h.glossy > settings.glossy_bounces;
     }
     if (last) path.flags |= kLastVertex;
-    h.previous_alpha = s.roughness;
+    if (!s.is_diffuse) h.previous_alpha = s.roughness;  // alSurface's message: diffuse rays pass on what they found
     path.scatter_pdf = s.is_delta ? 0 : s.pdf;
 
     // Roulette by throughput, from the third scattering on; the square root kills later than the throughput itself would,
