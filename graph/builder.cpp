@@ -107,7 +107,6 @@ class NodeLowering final : public Lowering {
     }
 
     bool has_result() const { return has_result_; }
-    const IrRef& ref(ValueRef v) const { return refs_[v.id]; }
     const IrRef& value() const { return result_; }
 
   private:
@@ -236,10 +235,6 @@ IrRef Builder::param_value(int node, int param, int variant) {
             return r;
         }
         case DocValue::Default:
-            if (p.unlinked_value) {
-                NodeLowering lowering(*this, node, variant, nullptr, -1);
-                return convert(lowering.ref(p.unlinked_value(lowering)), p.type, n.type->system);
-            }
             if (p.has_default_global) return convert(global_value(p.default_global, variant), p.type, n.type->system);
             [[fallthrough]];
         case DocValue::Constant:

@@ -51,7 +51,7 @@ enum class Global : uint8_t {
     Duvdx, Duvdy,    ///< uv change per pixel step
     Dpodx, Dpody,    ///< object-space position change per pixel step
     Dgendx, Dgendy,  ///< generated-coordinate change per pixel step
-    Tangent,         ///< tangent of the active UV map, world space
+    Tangent,         ///< of closures' unlinked Tangent: around the object's Z axis, world space
     TangentSign,     ///< 1 channel
     TangentObject,   ///< the same tangent as stored: object space
     Direction,       ///< world graphs: direction of the ray (away from the camera)
@@ -99,8 +99,6 @@ struct Param {
     bool takes_links = true;
     bool has_default_global = false;  ///< unlinked: reads `default_global` and not the constant (Blender's hidden Vector, Normal)
     Global default_global = Global::P;
-    /// Unlinked: a value made from several globals, in place of `default_global` (which then stands for it in listings). Optional.
-    struct ValueRef (*unlinked_value)(class Lowering&) = nullptr;
     std::string label, group, help;
     std::vector<std::string> aliases;
     uint64_t only_lobes = ~uint64_t{0};  ///< closure nodes: bits of the lobes (in lobes() order) that read this parameter

@@ -37,13 +37,12 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include "graph/lowering.h"
-#include "nodes/input/radial_tangent.h"
 
 namespace alder {
 ALDER_KERNEL_EXPORT(radial_tangent)
 ALDER_KERNEL_EXPORT(parametric)
 
-ValueRef radial_tangent(Lowering& l) {
+static ValueRef radial_tangent(Lowering& l) {
     const ValueRef operands[] = {l.global(Global::Generated), l.global(Global::N), l.global(Global::WorldToObjectX),
                                  l.global(Global::WorldToObjectY), l.global(Global::WorldToObjectZ), l.global(Global::RayLength)};
     return l.op("radial_tangent", radial_tangent_kernel(), operands, Type::Vector);

@@ -31,11 +31,7 @@ class MaterialLobes {
                     case Global::N: v = view.ns[c]; break;
                     case Global::Ng: v = view.ng[c]; break;
                     case Global::I: v = view.wo[c]; break;
-                    case Global::Generated: v = c == 1 ? 0 : 0.5; break;  // the radial tangent is x there
-                    case Global::WorldToObjectX: v = c == 0; break;
-                    case Global::WorldToObjectY: v = c == 1; break;
-                    case Global::WorldToObjectZ: v = c == 2; break;
-                    case Global::RayLength: v = 1; break;
+                    case Global::Tangent: v = c == 0; break;
                     case Global::Backfacing: v = backfacing; break;
                     default: ADD_FAILURE() << "input " << global_name(input.global);
                 }
