@@ -53,7 +53,7 @@ const std::vector<float> kFour = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
 TEST_F(ImageTest, is_loaded_once_and_released_with_its_last_user) {
     const std::string file = write("a.png", 2, 2, 3, OIIO::TypeDesc::UINT8, kFour);
     ImageStore store;
-    std::vector<std::shared_ptr<const Image>> images(8);
+    std::vector<std::shared_ptr<const StoredImage>> images(8);
     std::vector<std::thread> threads;
     for (auto& image : images) threads.emplace_back([&] { image = store.open({file, "Non-Color", AlphaMode::Straight}); });
     for (auto& t : threads) t.join();
