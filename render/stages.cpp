@@ -41,9 +41,9 @@ constexpr const char* kWorldGraph = R"({"version": 1, "nodes": {
   "height": {"type": "ShaderNodeMapRange", "params": {"Value": {"node": "split", "output": "Z"}, "From Min": -0.2, "From Max": 1.0}},
   "sky": {"type": "ShaderNodeValToRGB", "params": {"Fac": {"node": "height", "output": "Result"}, "color_ramp": {
       "color_mode": "RGB", "interpolation": "EASE", "elements": [
-        {"position": 0.0, "color": [0.06, 0.06, 0.065, 1]}, {"position": 0.3, "color": [0.36, 0.37, 0.39, 1]},
-        {"position": 1.0, "color": [0.75, 0.78, 0.82, 1]}]}}},
-  "background": {"type": "ShaderNodeBackground", "params": {"Color": {"node": "sky", "output": "Color"}, "Strength": 0.4}}},
+        {"position": 0.0, "color": [0.05, 0.05, 0.055, 1]}, {"position": 0.22, "color": [0.25, 0.255, 0.265, 1]},
+        {"position": 0.55, "color": [0.55, 0.565, 0.585, 1]}, {"position": 1.0, "color": [1.4, 1.43, 1.47, 1]}]}}},
+  "background": {"type": "ShaderNodeBackground", "params": {"Color": {"node": "sky", "output": "Color"}, "Strength": 0.6}}},
   "outputs": {"surface": {"node": "background"}}})";
 
 std::shared_ptr<const Material> built_in(const char* text) {
@@ -94,9 +94,9 @@ Scene make_studio() {
     s.instances.push_back(studio);
 
     const Vec3f subject(0, 0, 1.1f);
-    s.lights.push_back(area_light("key", {-3.4f, -3.0f, 4.9f}, subject, 2.0f, 2.0f, 240, {1.0f, 0.97f, 0.93f}, kKey));
-    s.lights.push_back(area_light("fill", {4.6f, -3.4f, 2.4f}, subject, 2.6f, 3.4f, 42, {0.90f, 0.95f, 1.0f}, kFill));
-    s.lights.push_back(area_light("rim", {2.9f, 3.1f, 3.6f}, subject, 0.7f, 3.2f, 200, {1.0f, 1.0f, 1.0f}, kRim));
+    s.lights.push_back(area_light("key", {-3.4f, -3.0f, 4.9f}, subject, 2.0f, 2.0f, 290, {1.0f, 0.97f, 0.93f}, kKey));
+    s.lights.push_back(area_light("fill", {4.6f, -3.4f, 2.4f}, subject, 2.6f, 3.4f, 70, {0.90f, 0.95f, 1.0f}, kFill));
+    s.lights.push_back(area_light("rim", {2.9f, 3.1f, 3.6f}, subject, 0.6f, 3.2f, 150, {1.0f, 1.0f, 1.0f}, kRim));
     s.world.graph = built_in(kWorldGraph);
     s.world.importance_resolution = 64;   // a smooth gradient
 
