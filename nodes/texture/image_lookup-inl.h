@@ -74,7 +74,7 @@ HWY_INLINE F half_to_float(Int<F> bits) {
 /// Texels by number (row · width + column, inside the image). Loads go lane by lane and are turned into lanes afterwards: that
 /// is no slower than a gather and has no limit of 2^31 bytes.
 template <class F>
-HWY_INLINE Rgba<F> fetch_texels(const Image& image, Int<F> number) {
+HWY_INLINE Rgba<F> fetch_texels(const StoredImage& image, Int<F> number) {
     constexpr int n = kMostLanes<F>;
     alignas(64) int32_t at[n];
     store_ints<F>(number, at);
@@ -85,14 +85,14 @@ HWY_INLINE Rgba<F> fetch_texels(const Image& image, Int<F> number) {
     const Int<F> byte_mask(0xff), short_mask(0xffff);
     if (image.channels == 4) {
         switch (image.format) {
-            case Image::Format::U8: {
+            case StoredImage::Format::U8: {
                 for (int i = 0; i < lanes; ++i) std::memcpy(low + i, pixels + size_t{4} * static_cast<uint32_t>(at[i]), 4);
                 const Int<F> v = load_ints<F>(low);
                 return {{to_float<F>(v & byte_mask) * byte_scale, to_float<F>(shr<8>(v) & byte_mask) * byte_scale,
                          to_float<F>(shr<16>(v) & byte_mask) * byte_scale},
                         to_float<F>(shr<24>(v)) * byte_scale};
             }
-            case Image::Format::F32: {
+            case StoredImage::Format::F32: {
                 alignas(64) float texels[4 * n];
                 for (int i = 0; i < lanes; ++i) std::memcpy(texels + 4 * i, pixels + size_t{16} * static_cast<uint32_t>(at[i]), 16);
                 F c[4];
@@ -106,7 +106,7 @@ HWY_INLINE Rgba<F> fetch_texels(const Image& image, Int<F> number) {
                     std::memcpy(high + i, texel + 4, 4);
                 }
                 const Int<F> l = load_ints<F>(low), h = load_ints<F>(high);
-                if (image.format == Image::Format::F16)
+                if (image.format == StoredImage::Format::F16)
                     return {{half_to_float<F>(l), half_to_float<F>(shr<16>(l)), half_to_float<F>(h)}, half_to_float<F>(shr<16>(h))};
                 return {{to_float<F>(l & short_mask) * short_scale, to_float<F>(shr<16>(l)) * short_scale, to_float<F>(h & short_mask) * short_scale},
                         to_float<F>(shr<16>(h)) * short_scale};
@@ -115,11 +115,11 @@ HWY_INLINE Rgba<F> fetch_texels(const Image& image, Int<F> number) {
     }
     F grey;
     switch (image.format) {
-        case Image::Format::U8:
+        case StoredImage::Format::U8:
             for (int i = 0; i < lanes; ++i) low[i] = static_cast<uint8_t>(pixels[static_cast<uint32_t>(at[i])]);
             grey = to_float<F>(load_ints<F>(low)) * byte_scale;
             break;
-        case Image::Format::F32: {
+        case StoredImage::Format::F32: {
             alignas(64) float texels[n];
             for (int i = 0; i < lanes; ++i) std::memcpy(texels + i, pixels + size_t{4} * static_cast<uint32_t>(at[i]), 4);
             grey = load_floats<F>(texels);
@@ -131,7 +131,7 @@ HWY_INLINE Rgba<F> fetch_texels(const Image& image, Int<F> number) {
                 std::memcpy(&v, pixels + size_t{2} * static_cast<uint32_t>(at[i]), 2);
                 low[i] = v;
             }
-            grey = image.format == Image::Format::F16 ? half_to_float<F>(load_ints<F>(low)) : to_float<F>(load_ints<F>(low)) * short_scale;
+            grey = image.format == StoredImage::Format::F16 ? half_to_float<F>(load_ints<F>(low)) : to_float<F>(load_ints<F>(low)) * short_scale;
     }
     return {Vec3<F>(grey), F(1)};
 }
@@ -198,7 +198,7 @@ struct AxisTaps {
 };
 
 template <int kTaps, class F>
-HWY_INLINE Rgba<F> filter_image(const Image& image, F u, F v, int extension) {
+HWY_INLINE Rgba<F> filter_image(const StoredImage& image, F u, F v, int extension) {
     const AxisTaps<kTaps, F> x(u, image.width, extension), y(v, image.height, extension);
     Rgba<F> sum(Vec3<F>(F(0)), F(0));
     for (int j = 0; j < kTaps; ++j) {
@@ -221,7 +221,7 @@ HWY_INLINE Rgba<F> filter_image(const Image& image, F u, F v, int extension) {
 
 /// The image at (u, v): interpolated, alpha taken out where both are used, linear. Magenta where there is no image.
 template <class F>
-HWY_INLINE Rgba<F> lookup_image(const Image* image, F u, F v, int interpolation, int extension, bool uses_alpha) {
+HWY_INLINE Rgba<F> lookup_image(const StoredImage* image, F u, F v, int interpolation, int extension, bool uses_alpha) {
     if (!image || !image->readable()) return {{F(1), F(0), F(1)}, F(1)};
     Rgba<F> r;
     switch (interpolation) {

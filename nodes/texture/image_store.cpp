@@ -26,21 +26,21 @@ namespace {
 
 using OIIO::TypeDesc;
 
-size_t bytes_of(Image::Format f) { return f == Image::Format::U8 ? 1 : f == Image::Format::F32 ? 4 : 2; }
+size_t bytes_of(StoredImage::Format f) { return f == StoredImage::Format::U8 ? 1 : f == StoredImage::Format::F32 ? 4 : 2; }
 
 /// The format that pixels are kept in: the file's, integers of other widths as 8 bit, doubles as float.
-Image::Format format_of(const OIIO::ImageSpec& spec) {
+StoredImage::Format format_of(const OIIO::ImageSpec& spec) {
     bool is_float = spec.format.is_floating_point();
     for (const TypeDesc& t : spec.channelformats) is_float |= t.is_floating_point();
-    if (spec.format == TypeDesc::HALF) return Image::Format::F16;
-    if (is_float) return Image::Format::F32;
-    return spec.format == TypeDesc::USHORT ? Image::Format::U16 : Image::Format::U8;
+    if (spec.format == TypeDesc::HALF) return StoredImage::Format::F16;
+    if (is_float) return StoredImage::Format::F32;
+    return spec.format == TypeDesc::USHORT ? StoredImage::Format::U16 : StoredImage::Format::U8;
 }
-TypeDesc oiio_type(Image::Format f) {
+TypeDesc oiio_type(StoredImage::Format f) {
     switch (f) {
-        case Image::Format::U8: return TypeDesc::UINT8;
-        case Image::Format::U16: return TypeDesc::USHORT;
-        case Image::Format::F16: return TypeDesc::HALF;
+        case StoredImage::Format::U8: return TypeDesc::UINT8;
+        case StoredImage::Format::U16: return TypeDesc::USHORT;
+        case StoredImage::Format::F16: return TypeDesc::HALF;
         default: return TypeDesc::FLOAT;
     }
 }
@@ -54,8 +54,8 @@ bool is_unassociated(const OIIO::ImageSpec& spec, std::string_view format) {
 }
 
 /// Integer files without a colour space are sRGB; float files linear, unless the file or its format says sRGB.
-bool is_srgb_by_default(const OIIO::ImageSpec& spec, std::string_view format, Image::Format pixels) {
-    if (pixels == Image::Format::U8 || pixels == Image::Format::U16) return true;
+bool is_srgb_by_default(const OIIO::ImageSpec& spec, std::string_view format, StoredImage::Format pixels) {
+    if (pixels == StoredImage::Format::U8 || pixels == StoredImage::Format::U16) return true;
     const std::string hint = spec.get_string_attribute("oiio:ColorSpace");
     if (hint == "sRGB" || hint == "GammaCorrected") return true;
     return hint.empty() && (format == "png" || format == "jpeg" || format == "tiff" || format == "dpx" || format == "jpeg2000");
@@ -126,7 +126,7 @@ void convert_pixels(const From* from, To* to, size_t pixels, int channels, const
 }
 
 /// Loads the file into `image`, or says why not.
-std::string load(const ImageRequest& request, Image& image) {
+std::string load(const ImageRequest& request, StoredImage& image) {
     const bool automatic = request.color_space.empty();
     std::optional<ColorSpace> space;
     if (!automatic) {
@@ -142,14 +142,14 @@ std::string load(const ImageRequest& request, Image& image) {
 
     // From the header, before anything is allocated: a few bytes of file can announce a terabyte.
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) return "the image is empty";
-    if (spec.width > Image::kLargestSide || spec.height > Image::kLargestSide)
-        return fmt::format("{} x {} pixels; at most {} a side can be read", spec.width, spec.height, Image::kLargestSide);
-    if (spec.nchannels > Image::kMostChannels)
-        return fmt::format("{} channels; at most {} can be read", spec.nchannels, Image::kMostChannels);
+    if (spec.width > StoredImage::kLargestSide || spec.height > StoredImage::kLargestSide)
+        return fmt::format("{} x {} pixels; at most {} a side can be read", spec.width, spec.height, StoredImage::kLargestSide);
+    if (spec.nchannels > StoredImage::kMostChannels)
+        return fmt::format("{} channels; at most {} can be read", spec.nchannels, StoredImage::kMostChannels);
     if (spec.depth > 1) return "volume images cannot be used as textures";
     if (spec.deep) return "deep images cannot be used as textures";
 
-    Image::Format format = format_of(spec);
+    StoredImage::Format format = format_of(spec);
     const int channels = spec.nchannels == 1 ? 1 : 4, read_channels = std::min(spec.nchannels, 4);
     const size_t pixels = static_cast<size_t>(spec.width) * spec.height, texel = bytes_of(format) * channels;
     std::unique_ptr<std::byte[]> data(new (std::nothrow) std::byte[pixels * texel]);
@@ -167,28 +167,28 @@ std::string load(const ImageRequest& request, Image& image) {
     const bool multiply = relates && is_unassociated(spec, format_name);
     const auto with_pixels = [&](auto&& fn) {
         switch (format) {
-            case Image::Format::U8: return fn(reinterpret_cast<uint8_t*>(data.get()));
-            case Image::Format::U16: return fn(reinterpret_cast<uint16_t*>(data.get()));
-            case Image::Format::F16: return fn(reinterpret_cast<half*>(data.get()));
-            case Image::Format::F32: return fn(reinterpret_cast<float*>(data.get()));
+            case StoredImage::Format::U8: return fn(reinterpret_cast<uint8_t*>(data.get()));
+            case StoredImage::Format::U16: return fn(reinterpret_cast<uint16_t*>(data.get()));
+            case StoredImage::Format::F16: return fn(reinterpret_cast<half*>(data.get()));
+            case StoredImage::Format::F32: return fn(reinterpret_cast<float*>(data.get()));
         }
     };
     if (channels == 4)
         with_pixels([&](auto* p) { complete_pixels(p, pixels, spec.nchannels, multiply, request.alpha == AlphaMode::None); });
     if (!space->is_data && !space->is_linear_rec709() && !space->is_srgb()) {
         // Integers cannot hold what a conversion gives: half floats then.
-        const Image::Format wide = format == Image::Format::F32 ? format : Image::Format::F16;
+        const StoredImage::Format wide = format == StoredImage::Format::F32 ? format : StoredImage::Format::F16;
         std::unique_ptr<std::byte[]> converted(new (std::nothrow) std::byte[pixels * channels * bytes_of(wide)]);
         if (!converted) return fmt::format("{} bytes of memory are not available", pixels * channels * bytes_of(wide));
         with_pixels([&](auto* p) {
-            if (wide == Image::Format::F32) convert_pixels(p, reinterpret_cast<float*>(converted.get()), pixels, channels, *space);
+            if (wide == StoredImage::Format::F32) convert_pixels(p, reinterpret_cast<float*>(converted.get()), pixels, channels, *space);
             else convert_pixels(p, reinterpret_cast<half*>(converted.get()), pixels, channels, *space);
         });
         data = std::move(converted);
         format = wide;
     }
-    if (format == Image::Format::F16) remove_nonfinite(reinterpret_cast<half*>(data.get()), pixels, channels);
-    if (format == Image::Format::F32) remove_nonfinite(reinterpret_cast<float*>(data.get()), pixels, channels);
+    if (format == StoredImage::Format::F16) remove_nonfinite(reinterpret_cast<half*>(data.get()), pixels, channels);
+    if (format == StoredImage::Format::F32) remove_nonfinite(reinterpret_cast<float*>(data.get()), pixels, channels);
 
     image.width = spec.width;
     image.height = spec.height;
@@ -203,7 +203,7 @@ std::string load(const ImageRequest& request, Image& image) {
 
 }  // namespace
 
-Image::~Image() {
+StoredImage::~StoredImage() {
     if (counter_) counter_->fetch_sub(bytes, std::memory_order_relaxed);
 }
 
@@ -212,7 +212,7 @@ ImageStore& ImageStore::shared() {
     return *store;
 }
 
-std::shared_ptr<const Image> ImageStore::open(const ImageRequest& request) {
+std::shared_ptr<const StoredImage> ImageStore::open(const ImageRequest& request) {
     Key key{request, {}, 0};
     std::error_code no_error;
     key.modified = std::filesystem::last_write_time(request.path, no_error);

@@ -32,8 +32,8 @@ struct ImageRequest {
     auto operator<=>(const ImageRequest&) const = default;
 };
 
-/// One loaded image. Immutable once published.
-class Image {
+/// One loaded image. Immutable once published. (Image is what the renderer makes.)
+class StoredImage {
   public:
     enum class Format : uint8_t { U8, U16, F16, F32 };
     static constexpr int kLargestSide = 32768, kMostChannels = 64;
@@ -47,7 +47,7 @@ class Image {
     std::unique_ptr<std::byte[]> pixels;
 
     bool readable() const { return width > 0; }
-    ~Image();
+    ~StoredImage();
 
   private:
     friend class ImageStore;
@@ -61,7 +61,7 @@ class ImageStore {
 
     /// The image of that file, loaded now if it is not in memory. Never null: where it cannot be read, the fault is logged once
     /// and the image is not readable(). Threads that ask for the same image at once wait for one load.
-    std::shared_ptr<const Image> open(const ImageRequest& request);
+    std::shared_ptr<const StoredImage> open(const ImageRequest& request);
 
     /// Bytes of pixels held at this moment.
     size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
@@ -78,7 +78,7 @@ class ImageStore {
     };
     struct Entry {
         std::once_flag loaded;
-        Image image;
+        StoredImage image;
     };
     void report(const std::string& fault);
 

@@ -6,7 +6,7 @@
 namespace alder {
 
 struct PreparedImage : PreparedTexture {
-    std::shared_ptr<const Image> image;  ///< null: none chosen
+    std::shared_ptr<const StoredImage> image;  ///< null: none chosen
 };
 
 /// NodeType::prepare of nodes with parameters `image` and `texture_mapping`.

@@ -1,4 +1,5 @@
 // Evaluation and sampling of one lobe. Formulas and conventions: nodes/lobe.h and the sources cited in the headers here.
+#include <algorithm>
 #include <limits>
 
 #include "nodes/surface/energy-inl.h"
@@ -169,7 +170,7 @@ BsdfSample<T> sample_microfacet(const Lobe<T>& l, const ShadingView<T>& view, T 
     s.wi = normalize(frame.to_world(wi));
     s.is_transmission = refract;
     s.weight = (refract ? t : r) / p_choice;
-    s.roughness = std::sqrt(m.facets.ax * m.facets.ay);
+    s.roughness = std::max(m.facets.ax, m.facets.ay);
     if (s.is_delta) {
         s.pdf = p_choice;
         s.roughness = 0;
@@ -402,7 +403,7 @@ BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T 
             s.pdf = e.pdf;
             s.valid = e.pdf > 0;
             if (s.valid) s.weight = e.f_cos / e.pdf;
-            if (phong) s.roughness = std::sqrt(closure::Phong<T>(l).ax * closure::Phong<T>(l).ay);
+            if (phong) s.roughness = std::max(closure::Phong<T>(l).ax, closure::Phong<T>(l).ay);
         }
     }
     s.weight = s.valid ? closure::bounded(s.weight * l.weight) : Vec3<T>(T(0));

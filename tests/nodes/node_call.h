@@ -69,6 +69,15 @@ class NodeCall {
         return *this;
     }
     Statics& statics() { return statics_; }
+    /// Leaves an output unasked for: its channels read as NaN.
+    NodeCall& without(const std::string& output) {
+        int first = 0;
+        for (const auto& o : type_.outputs) {
+            for (int c = 0; c < channels(o.type); ++c, ++first)
+                if (o.name == output) unasked_.push_back(first);
+        }
+        return *this;
+    }
 
     /// All channels of all outputs, each with one value a point.
     std::vector<std::vector<double>> run(Path path = Path::Lanes) {
@@ -108,6 +117,7 @@ class NodeCall {
         out.assign(outputs, std::vector<R>(padded, nan));
         std::vector<R*> p;
         for (auto& o : out) p.push_back(o.data());
+        for (int c : unasked_) p[c] = nullptr;
         const EvalContext context;
         kernel({channel.data(), p.data(), &statics_, &context, static_cast<uint32_t>(n_)});
         std::vector<std::vector<double>> result;
@@ -119,6 +129,7 @@ class NodeCall {
     size_t n_;
     Statics statics_;
     std::vector<std::vector<double>> channel_;   ///< one number, or one a point
+    std::vector<int> unasked_;                   ///< output channels
 };
 
 }  // namespace alder::test

@@ -99,7 +99,12 @@ TEST(bump_node, agrees_with_the_reference_for_heights_that_are_formulas) {
             nodes["height"]["params"] = {{"operation", "MULTIPLY"}, {"Value", link("sine", "Value")}, {"Value_001", height["a"]}};
         }
         json params = c["properties"], points = {{"count", c["points"]}};
-        for (const auto& [name, value] : c["inputs"].items()) params[name] = value;
+        for (const auto& [name, value] : c["inputs"].items()) {
+            params[name] = value;
+            if (!value.is_array()) continue;
+            params[name] = {{"attribute", "in:" + name}};
+            points["attributes"]["in:" + name] = value;
+        }
         for (const auto& [name, value] : context["fields"].items())
             if (name != "height") points[name] = value;
         points["surface"] = {{"mesh_file", (folder / context["mesh"].get<std::string>()).string()}, {"camera", context["camera"]},

@@ -52,6 +52,7 @@ Statics statics_of(const NodeType& type, int choice) {
         s.text.push_back(p.text);
         s.linked.push_back(channels(p.type) > 0);
         s.zero.push_back(false);
+        s.one.push_back(false);
         s.at_default.push_back(false);
     }
     s.lobes = type.lobes(s);
@@ -179,7 +180,8 @@ TEST(closure_nodes, principled_channels_are_where_the_kernel_reads_them) {
 TEST(closure_nodes, constants_decide_which_lobes_exist) {
     const auto kinds = [](const json& params) {
         std::string s;
-        for (const auto& l : MaterialLobes("ShaderNodeBsdfPrincipled", params).at(view_from(0, 1))) s += std::to_string(static_cast<int>(l.spec->kind)) + " ";
+        MaterialLobes material("ShaderNodeBsdfPrincipled", params);
+        for (const auto& l : material.at(view_from(0, 1))) s += std::to_string(static_cast<int>(l.spec->kind)) + " ";
         return s;
     };
     const auto k = [](auto... kind) { return ((std::to_string(static_cast<int>(kind)) + " ") + ...); };
@@ -188,6 +190,7 @@ TEST(closure_nodes, constants_decide_which_lobes_exist) {
     EXPECT_EQ(kinds({{"Specular IOR Level", 0}, {"Base Color", {0, 0, 0}}}), "");
     EXPECT_EQ(kinds({{"Alpha", 0}}), k(LobeKind::Transparent));
     EXPECT_EQ(kinds({{"Metallic", 1}}), k(LobeKind::MicrofacetReflection));
+    EXPECT_EQ(kinds({{"Transmission Weight", 1}}), k(LobeKind::MicrofacetGlass));
     MaterialLobes plain("ShaderNodeBsdfPrincipled", json::object());
     EXPECT_TRUE(plain.at(view_from(0, 1))[1].spec->smooth);
     EXPECT_FALSE(plain.at(view_from(0, 1))[0].spec->has_tangent());
@@ -215,15 +218,15 @@ json mix(json fac) {
 }
 
 TEST(closure_nodes, mix_ends_keep_one_side) {
-    const auto lobes = [](json fac) { return MaterialLobes(mix(fac)).at(view_from(0, 1)); };
-    ASSERT_EQ(lobes(0.25).size(), 2u);
-    for (const auto& l : lobes(0.25))
-        EXPECT_NEAR(l.weight.x + l.weight.y, l.spec->kind == LobeKind::Emission ? 0.75 : 0.25, 1e-7);
-    ASSERT_EQ(lobes(0).size(), 1u);
-    EXPECT_EQ(lobes(0)[0].spec->kind, LobeKind::Emission);
-    ASSERT_EQ(lobes(3.5).size(), 1u);  // limited to 1
-    EXPECT_EQ(lobes(3.5)[0].spec->kind, LobeKind::Diffuse);
-    EXPECT_NEAR(lobes(3.5)[0].weight.y, 1, 1e-7);
+    MaterialLobes quarter(mix(0.25)), first(mix(0)), beyond(mix(3.5));
+    const auto both = quarter.at(view_from(0, 1)), red = first.at(view_from(0, 1)), matte = beyond.at(view_from(0, 1));
+    ASSERT_EQ(both.size(), 2u);
+    for (const auto& l : both) EXPECT_NEAR(l.weight.x + l.weight.y, l.spec->kind == LobeKind::Emission ? 0.75 : 0.25, 1e-7);
+    ASSERT_EQ(red.size(), 1u);
+    EXPECT_EQ(red[0].spec->kind, LobeKind::Emission);
+    ASSERT_EQ(matte.size(), 1u);  // the factor is limited to 1
+    EXPECT_EQ(matte[0].spec->kind, LobeKind::Diffuse);
+    EXPECT_NEAR(matte[0].weight.y, 1, 1e-7);
 }
 
 }  // namespace
