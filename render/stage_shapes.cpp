@@ -145,7 +145,7 @@ constexpr float kSeam = -270 * kDegree;   // the seam is at the back: longitudes
 }  // namespace
 
 std::shared_ptr<const Mesh> make_shader_ball() {
-    const Window w{-62 * kDegree, 16 * kDegree, 37 * kDegree, 29 * kDegree, 7 * kDegree, 2.4f * kDegree, 0.11f};
+    const Window w{-70 * kDegree, 14 * kDegree, 35 * kDegree, 27 * kDegree, 7 * kDegree, 2.4f * kDegree, 0.11f};
     const auto band = [&](float edge, float inward) {   // lines follow the wall and, inward, the round corners
         const float a = edge - w.wall * 0.6f * inward, b = edge + (w.corner + w.wall) * inward;
         return std::array<float, 2>{std::min(a, b), std::max(a, b)};

@@ -25,11 +25,11 @@ constexpr const char* kFloorGraph = R"({"version": 1, "nodes": {
   "split": {"type": "ShaderNodeSeparateXYZ", "params": {"Vector": {"node": "cell", "output": "Vector"}}},
   "sum": {"type": "ShaderNodeMath", "params": {"operation": "ADD", "Value": {"node": "split", "output": "X"}, "Value_001": {"node": "split", "output": "Y"}}},
   "parity": {"type": "ShaderNodeMath", "params": {"operation": "PINGPONG", "Value": {"node": "sum"}, "Value_001": 1.0}},
-  "grey": {"type": "ShaderNodeMath", "params": {"operation": "MULTIPLY_ADD", "Value": {"node": "parity"}, "Value_001": 0.045, "Value_002": 0.145}},
+  "grey": {"type": "ShaderNodeMath", "params": {"operation": "MULTIPLY_ADD", "Value": {"node": "parity"}, "Value_001": 0.035, "Value_002": 0.17}},
   "bsdf": {"type": "ShaderNodeBsdfDiffuse", "params": {"Color": {"node": "grey"}}}},
   "outputs": {"surface": {"node": "bsdf"}}})";
 constexpr const char* kStandGraph = R"({"version": 1, "nodes": {
-  "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.025, 0.026, 0.028], "Roughness": 0.4}}},
+  "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.025, 0.026, 0.028], "Roughness": 0.5}}},
   "outputs": {"surface": {"node": "bsdf"}}})";
 constexpr const char* kDefaultGraph = R"({"version": 1, "nodes": {
   "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.5, 0.5, 0.5], "Roughness": 0.35}}},
@@ -41,8 +41,8 @@ constexpr const char* kWorldGraph = R"({"version": 1, "nodes": {
   "height": {"type": "ShaderNodeMapRange", "params": {"Value": {"node": "split", "output": "Z"}, "From Min": -0.2, "From Max": 1.0}},
   "sky": {"type": "ShaderNodeValToRGB", "params": {"Fac": {"node": "height", "output": "Result"}, "color_ramp": {
       "color_mode": "RGB", "interpolation": "EASE", "elements": [
-        {"position": 0.0, "color": [0.06, 0.06, 0.065, 1]}, {"position": 0.3, "color": [0.36, 0.37, 0.39, 1]},
-        {"position": 1.0, "color": [0.75, 0.78, 0.82, 1]}]}}},
+        {"position": 0.0, "color": [0.05, 0.05, 0.055, 1]}, {"position": 0.22, "color": [0.25, 0.255, 0.265, 1]},
+        {"position": 0.55, "color": [0.55, 0.565, 0.585, 1]}, {"position": 1.0, "color": [1.4, 1.43, 1.47, 1]}]}}},
   "background": {"type": "ShaderNodeBackground", "params": {"Color": {"node": "sky", "output": "Color"}, "Strength": 0.6}}},
   "outputs": {"surface": {"node": "background"}}})";
 
@@ -94,9 +94,9 @@ Scene make_studio() {
     s.instances.push_back(studio);
 
     const Vec3f subject(0, 0, 1.1f);
-    s.lights.push_back(area_light("key", {-3.4f, -3.0f, 4.9f}, subject, 2.2f, 2.2f, 380, {1.0f, 0.965f, 0.92f}, kKey));
-    s.lights.push_back(area_light("fill", {4.6f, -3.4f, 2.4f}, subject, 3.0f, 3.6f, 110, {0.90f, 0.95f, 1.0f}, kFill));
-    s.lights.push_back(area_light("rim", {2.9f, 3.1f, 3.6f}, subject, 0.7f, 3.2f, 190, {1.0f, 1.0f, 1.0f}, kRim));
+    s.lights.push_back(area_light("key", {-3.4f, -3.0f, 4.9f}, subject, 2.0f, 2.0f, 290, {1.0f, 0.97f, 0.93f}, kKey));
+    s.lights.push_back(area_light("fill", {4.6f, -3.4f, 2.4f}, subject, 2.6f, 3.4f, 70, {0.90f, 0.95f, 1.0f}, kFill));
+    s.lights.push_back(area_light("rim", {2.9f, 3.1f, 3.6f}, subject, 0.6f, 3.2f, 150, {1.0f, 1.0f, 1.0f}, kRim));
     s.world.graph = built_in(kWorldGraph);
     s.world.importance_resolution = 64;   // a smooth gradient
 
@@ -104,6 +104,8 @@ Scene make_studio() {
     s.camera.name = "camera";
     s.camera.fov_x = 2 * std::atan(kSensor / (2 * kLens));
     s.settings.samples = 64;
+    s.settings.clamp_indirect = 4;            // a preview wants no fireflies,
+    s.settings.caustics_reflective = false;   // and light by way of polished metal is one
     s.settings.max_bounces = 8;
     s.settings.diffuse_bounces = 3;
     s.settings.glossy_bounces = 4;
@@ -138,7 +140,7 @@ Scene shader_ball_stage() {
     add(s, "ball", make_shader_ball(), placed(0, 0, 1.2f), kSubject);
     add(s, "ring", make_turned("ring", kRingOutline, 128), Transform{}, kSubject);
     add(s, "stand", make_turned("stand", kStandOutline, 96), Transform{}, kStand);
-    aim_camera(s, {0, 0, 1.06f}, 5.9f, 13);
+    aim_camera(s, {0, 0, 1.05f}, 6.05f, 13);
     return s;
 }
 

@@ -425,6 +425,18 @@ TEST(SceneDocument, names_never_lead_out_of_the_folder) {
     }
 }
 
+TEST(SceneDocument, the_manual_begins_with_an_example_that_works) {
+    std::ifstream in(std::string(ALDER_SOURCE_DIR) + "/docs/scene-document.md");
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const size_t begin = text.find("```json\n") + 8, end = text.find("```", begin);
+    ASSERT_NE(end, std::string::npos);
+    Diagnostics d;
+    const auto s = load(json::parse(text.substr(begin, end - begin)), d);
+    ASSERT_TRUE(s) << d.errors[0].line();
+    EXPECT_EQ(s->instances.size(), 2u);
+    EXPECT_EQ(s->lights.size(), 1u);
+}
+
 TEST(SceneDocument, files_are_told_apart_by_their_content) {
     const auto fault = [](const std::string& name, const std::string& content) {
         std::ofstream(scratch(name), std::ios::binary) << content;
