@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "render/light/rectangle.h"
 #include "render/sampling.h"
@@ -240,12 +241,14 @@ bool Lamp::sample_area(Vec3f p, float u1, float u2, LampSample& s) const {
         const Disk d = uniform_disk(u1, u2);
         q = r.center + axis_u_ * (0.5f * r.len_u * d.x) + axis_v_ * (0.5f * r.len_v * d.y);
     } else {
-        const SphericalRectangle rectangle(r.center, axis_u_, axis_v_, r.len_u, r.len_v, p);
-        if (rectangle.is_small()) {
+        const bool far = SphericalRectangle::is_far(r.center, r.len_u, r.len_v, p);
+        std::optional<SphericalRectangle> rectangle;
+        if (!far) rectangle.emplace(r.center, axis_u_, axis_v_, r.len_u, r.len_v, p);
+        if (far || rectangle->is_small()) {
             q = r.center + axis_u_ * (r.len_u * (u1 - 0.5f)) + axis_v_ * (r.len_v * (u2 - 0.5f));
         } else {
-            q = rectangle.sample(u1, u2);
-            pdf = 1 / rectangle.solid_angle();
+            q = rectangle->sample(u1, u2);
+            pdf = 1 / rectangle->solid_angle();
         }
     }
     if (ellipse_ && !r.ellipse) {  // a clipped ellipse is sampled by its bounding rectangle
@@ -283,7 +286,7 @@ bool Lamp::intersect_area(Vec3f p, Vec3f direction, float t_min, float t_max, La
     s.pdf = 0;
     Region r;
     if (area_region(p, r)) {
-        if (!r.ellipse) {
+        if (!r.ellipse && !SphericalRectangle::is_far(r.center, r.len_u, r.len_v, p)) {
             const SphericalRectangle rectangle(r.center, axis_u_, axis_v_, r.len_u, r.len_v, p);
             if (!rectangle.is_small()) s.pdf = 1 / rectangle.solid_angle();
         }
