@@ -60,10 +60,7 @@ class NodeLowering final : public Lowering {
     ValueRef call(std::span<const ValueRef> params, int output) override {
         const NodeType& type = *statics_->type;
         std::vector<int> in = flat(params);
-        for (Global g : type.globals) {
-            const IrRef r = b_.global_value(g, variant_);
-            for (int i = 0; i < alder::channels(g); ++i) in.push_back(r.ch[i]);
-        }
+        b_.push_globals(*statics_, variant_, in);
         int outs = 0, first = 0;
         for (size_t i = 0; i < type.outputs.size(); ++i) {
             if (static_cast<int>(i) == output) first = outs;
@@ -340,11 +337,18 @@ std::vector<int> Builder::kernel_operands(int node, const Statics& s, int varian
         if (guard >= 0) lazy.push_back({static_cast<int>(in.size()), static_cast<int>(in.size()) + count, guard});
         for (int k = 0; k < count; ++k) in.push_back(r.ch[k]);
     }
-    for (Global g : type.globals) {
-        const IrRef r = global_value(g, variant);
-        for (int i = 0; i < channels(g); ++i) in.push_back(r.ch[i]);
-    }
+    push_globals(s, variant, in);
     return in;
+}
+
+void Builder::push_globals(const Statics& s, int variant, std::vector<int>& in) {
+    const NodeType& type = *s.type;
+    for (size_t i = 0; i < type.globals.size(); ++i) {
+        const Global g = type.globals[i];
+        const bool used = !type.uses_global || type.uses_global(s, static_cast<int>(i));
+        const IrRef r = used ? global_value(g, variant) : IrRef();
+        for (int k = 0; k < channels(g); ++k) in.push_back(used ? r.ch[k] : built_.ir.literal(0));
+    }
 }
 
 IrRef Builder::run_kernel(int node, int output, int variant) {

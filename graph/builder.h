@@ -60,6 +60,8 @@ class Builder {
     IrRef global_value(Global g, int variant);
     IrRef convert(IrRef v, Type to, System system);
     IrRef run_kernel(int node, int output, int variant);
+    /// Appends the channels of the globals that the node reads.
+    void push_globals(const Statics& s, int variant, std::vector<int>& in);
     std::vector<int> kernel_operands(int node, const Statics& s, int variant, uint64_t lobes, std::vector<LazyUse>& lazy);
     int lazy_guard(const LazyRule& rule, IrRef selector, IrRef second, bool& needed, bool& always);
     std::shared_ptr<const Statics> statics(int node);

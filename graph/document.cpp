@@ -491,6 +491,7 @@ Statics make_statics(const DocNode& n) {
     s.text.assign(count, "");
     s.linked.assign(count, false);
     s.zero.assign(count, false);
+    s.one.assign(count, false);
     s.at_default.assign(count, false);
     for (size_t i = 0; i < count; ++i) {
         const Param& p = n.type->params[i];
@@ -501,7 +502,9 @@ Statics make_statics(const DocNode& n) {
             const auto& number = given ? v.number : p.number;
             const auto end = number.begin() + n_channels;
             s.at_default[i] = !given || (!p.has_default_global && std::equal(number.begin(), end, p.number.begin()));
-            s.zero[i] = !(p.has_default_global && !given) && std::all_of(number.begin(), end, [](double x) { return x == 0; });
+            const bool constant = !p.has_default_global || given;
+            s.zero[i] = constant && std::all_of(number.begin(), end, [](double x) { return x == 0; });
+            s.one[i] = constant && std::all_of(number.begin(), end, [](double x) { return x == 1; });
         }
         if (p.type == Type::Enum) {
             s.enums[i] = v.item;

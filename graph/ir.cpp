@@ -29,7 +29,7 @@ uint64_t hash_statics(const Statics* s) {
 bool same_statics(const Statics* a, const Statics* b) {
     if (a == b) return true;
     if (!a || !b || a->type != b->type || a->enums != b->enums || a->text != b->text || a->linked != b->linked) return false;
-    if (a->lobes.size() != b->lobes.size()) return false;
+    if (a->lobes.size() != b->lobes.size() || a->lobe_offset != b->lobe_offset) return false;  // linked or not decides layouts
     return true;
 }
 

@@ -83,7 +83,15 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         const int node = parts.size() == 4 && parts[0] == "nodes" && parts[2] == "params" ? document_->node_index(parts[1]) : -1;
         const int param = node < 0 ? -1 : document_->nodes[node]->type->param_index(parts[3]);
         if (param < 0) {
-            d.errors.push_back({options_.pointer_prefix + pointer, "unknown-parameter", pointer, "/nodes/NAME/params/PARAM of this graph", ""});
+            std::vector<std::string> names;
+            const std::string found = parts.size() == 4 ? parts[node < 0 ? 1 : 3] : pointer;
+            if (node < 0)
+                for (const auto& n : document_->nodes) names.push_back(n->name);
+            else
+                for (const auto& p : document_->nodes[node]->type->params) names.push_back(p.name);
+            d.errors.push_back({options_.pointer_prefix + pointer, node < 0 ? "unknown-name" : "unknown-parameter", found,
+                                node < 0 ? "/nodes/NAME/params/PARAM of this graph" : "a parameter of " + document_->nodes[node]->type->name,
+                                nearest_name(found, names)});
             return nullptr;
         }
         const Param& p = document_->nodes[node]->type->params[param];
@@ -161,7 +169,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     /// Programs of this material that hold for `to` as well, which differs in one constant.
     void carry_over(const MaterialImpl& to, int node, int param) const {
         const Statics before = make_statics(*document_->nodes[node]), after = make_statics(*to.document_->nodes[node]);
-        const bool facts_changed = before.zero != after.zero || before.at_default != after.at_default;
+        const bool facts_changed = before.zero != after.zero || before.one != after.one || before.at_default != after.at_default;
         std::lock_guard lock(mutex_);
         std::lock_guard lock_to(to.mutex_);
         for (const auto& [r, p] : programs_) {

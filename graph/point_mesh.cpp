@@ -10,7 +10,7 @@
 namespace alder {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;  // keeps the order of a file: its first UV map and colour are the active ones
 constexpr size_t kMaxMeshBytes = size_t{1} << 30;
 constexpr size_t kMeshesKept = 4;
 
@@ -103,6 +103,8 @@ void read_attributes(const json& mesh, PointMesh& out) {
             const auto d = domain == "POINT" ? PointMesh::Domain::Point : domain == "FACE" ? PointMesh::Domain::Face : PointMesh::Domain::Corner;
             const size_t n = domain == "POINT" ? out.positions.size() : domain == "FACE" ? out.triangles.size() : corners;
             out.attributes[name] = attribute_values(member(a, "values"), d, n, "attributes");
+            const std::string type = a.value("data_type", std::string());
+            if (out.active_color.empty() && (type == "FLOAT_COLOR" || type == "BYTE_COLOR")) out.active_color = name;
         }
     }
     if (const auto it = mesh.find("uv"); it != mesh.end()) {
@@ -111,9 +113,7 @@ void read_attributes(const json& mesh, PointMesh& out) {
             out.attributes[name] = attribute_values(map, PointMesh::Domain::Corner, corners, "uv");
             if (out.attributes[name].channels < 2) throw MeshFault{"uv: expected two numbers a corner"};
         }
-        // The order of a JSON object is not kept by the parser: the usual name goes first, the file may name another.
-        if (it->contains("UVMap")) out.active_uv = "UVMap";
-        else if (!it->empty()) out.active_uv = it->begin().key();
+        if (!it->empty()) out.active_uv = it->begin().key();
     }
     if (mesh.contains("active_uv") && mesh["active_uv"].is_string()) out.active_uv = mesh["active_uv"].get<std::string>();
 }
@@ -165,7 +165,8 @@ std::array<double, 4> PointMesh::interpolate(const Attribute& a, uint32_t t, dou
     return out;
 }
 
-std::shared_ptr<const PointMesh> parse_point_mesh(const json& mesh, std::string& error) {
+namespace {
+std::shared_ptr<const PointMesh> parse_mesh(const json& mesh, std::string& error) {
     try {
         if (!mesh.is_object()) throw MeshFault{"expected an object in oracle-mesh/1 form"};
         const auto out = std::make_shared<PointMesh>();
@@ -181,6 +182,9 @@ std::shared_ptr<const PointMesh> parse_point_mesh(const json& mesh, std::string&
     }
     return nullptr;
 }
+}  // namespace
+
+std::shared_ptr<const PointMesh> parse_point_mesh(const nlohmann::json& mesh, std::string& error) { return parse_mesh(mesh, error); }
 
 std::shared_ptr<const PointMesh> load_point_mesh(const std::string& path, std::string& error) {
     std::error_code ec;
@@ -200,7 +204,7 @@ std::shared_ptr<const PointMesh> load_point_mesh(const std::string& path, std::s
     try {
         const json document = json::parse(read_maybe_gzip(path), nullptr, false);
         if (document.is_discarded()) throw MeshFault{"is not JSON"};
-        auto mesh = parse_point_mesh(document, error);
+        auto mesh = parse_mesh(document, error);
         if (!mesh) return nullptr;
         const std::lock_guard lock(kept_mutex);
         kept.push_front({path, time, mesh});

@@ -26,7 +26,7 @@ struct PointMesh {
     std::vector<Vec3d> positions, vertex_normals;  ///< normals are empty where the file has none
     std::vector<std::array<uint32_t, 3>> triangles;
     std::vector<uint8_t> smooth;  ///< per triangle; empty = all flat
-    std::string active_uv;        ///< first UV map of the file; empty = none
+    std::string active_uv, active_color;  ///< first of the file; empty = none
     std::map<std::string, Attribute> attributes;  ///< UV maps too (2 channels a corner)
     Vec3d texspace_location{0, 0, 0}, texspace_size{1, 1, 1};
 

@@ -173,12 +173,26 @@ class Parser {
         }
         for (const char* key : {"triangle", "barycentric"})
             if (v.contains(key) && !out.field(key)) named_field(key, v[key], at + "/" + key, out);
+        custom_properties(v, at, "object_custom_properties", "object:", out);
+        custom_properties(v, at, "scene_custom_properties", "view_layer:", out);
         std::string error;
         if (v.contains("mesh") && v["mesh"].is_object()) {
             out.mesh = parse_point_mesh(v["mesh"], error);
             if (!out.mesh) fault(at + "/mesh", "wrong-mesh", error, "a mesh in oracle-mesh/1 form");
         } else if (v.contains("mesh_file")) {
             mesh_file(v["mesh_file"], at + "/mesh_file", out);
+        }
+    }
+
+    /// Properties of the object or the scene are attributes with a prefix, the same for all points.
+    void custom_properties(const json& v, const std::string& at, const char* key, const char* prefix, PointData& out) {
+        if (!v.contains(key) || !v[key].is_object()) return;
+        for (const auto& [name, value] : v[key].items()) {
+            PointField f;
+            const std::string here = at + "/" + key + "/" + escape(name);
+            if (!field(value, here, 0, 1, 4, f)) continue;
+            if (f.values.empty()) fault(here, "wrong-type", value.dump(), "1 to 4 numbers");
+            else out.attributes.emplace(prefix + name, std::move(f));
         }
     }
 
@@ -263,9 +277,60 @@ std::optional<PointSet> PointSet::parse(const json& points, const std::string& d
 
 uint32_t PointSet::count() const { return data_->count; }
 
-bool PointSet::has_attribute(const std::string& name) const {
-    return data_->attributes.contains(name) || (data_->on_mesh() && data_->mesh->find(name));
+namespace {
+
+/// A stored attribute by name: the request's own, then the mesh's. `read` gives point i as four numbers.
+struct FoundAttribute {
+    int channels = 0;  ///< 0: there is none
+    bool per_point = false;
+    std::function<std::array<double, 4>(uint32_t)> read;
+};
+FoundAttribute find_attribute(const PointData& s, const std::string& name) {
+    if (const auto it = s.attributes.find(name); it != s.attributes.end()) {
+        const PointField& f = it->second;
+        return {f.channels, f.per_point, [&f](uint32_t i) {
+                    std::array<double, 4> v{};
+                    for (int c = 0; c < f.channels; ++c) v[c] = f.at(i, c);
+                    return v;
+                }};
+    }
+    const bool tangent = name.ends_with(".tangent"), sign = name.ends_with(".tangent_sign");
+    if (tangent && (s.field("tangent_object") || name == s.active_uv() + ".tangent"))
+        return {3, s.varies(), [&s](uint32_t i) { const Vec3d t = s.value(Global::TangentObject, i); return std::array<double, 4>{t.x, t.y, t.z, 1}; }};
+    if (sign && (s.field("tangent_sign") || name == s.active_uv() + ".tangent_sign"))
+        return {1, s.varies(), [&s](uint32_t i) { return std::array<double, 4>{s.scalar(Global::TangentSign, i)}; }};
+    if (!s.on_mesh()) return {};
+    const PointMesh::Attribute* const a = s.mesh->find(name.empty() ? s.mesh->active_color : name);
+    if (!a) return {};
+    return {a->channels, true, [&s, a](uint32_t i) {
+                const auto* b = s.field("barycentric");
+                return s.mesh->interpolate(*a, static_cast<uint32_t>(s.field("triangle")->at(i, 0)), b->at(i, 0), b->at(i, 1));
+            }};
 }
+
+template <class Set>
+void append_attribute(const PointData& s, const ProgramInput& in, const Set& set) {
+    FoundAttribute found = find_attribute(s, in.attribute);
+    if (found.channels > 0) {
+        return set(found.per_point ? s.count : 1, [&](uint32_t i) {
+            const auto v = found.read(i);
+            std::array<double, 4> out{};
+            for (int c = 0; c < in.channels && c < 4; ++c) out[c] = convert(v, found.channels, in.channels, c);
+            return out;
+        });
+    }
+    // Names that the attribute nodes make: nodes/input/attribute.cpp.
+    for (const std::string suffix : {".alpha", ".exists"}) {
+        if (!in.attribute.ends_with(suffix)) continue;
+        found = find_attribute(s, in.attribute.substr(0, in.attribute.size() - suffix.size()));
+        const bool alpha = suffix == ".alpha";
+        if (alpha && found.channels == 4) return set(found.per_point ? s.count : 1, [&](uint32_t i) { return std::array<double, 4>{found.read(i)[3]}; });
+        return set(1, [&](uint32_t) { return std::array<double, 4>{alpha || found.channels > 0 ? 1.0 : 0.0}; });
+    }
+    set(1, [](uint32_t) { return std::array<double, 4>{}; });
+}
+
+}  // namespace
 
 void PointSet::append(const ProgramInput& in, std::vector<ChannelValues>& channels) const {
     const PointData& s = *data_;
@@ -281,36 +346,7 @@ void PointSet::append(const ProgramInput& in, std::vector<ChannelValues>& channe
             for (int c = 0; c < in.channels; ++c) channels[first + c].values[i] = v[c];
         }
     };
-    if (in.is_attribute) {
-        const auto converted = [&](const std::array<double, 4>& v, int have) {
-            std::array<double, 4> out{};
-            for (int c = 0; c < in.channels && c < 4; ++c) out[c] = convert(v, have, in.channels, c);
-            return out;
-        };
-        if (const auto it = s.attributes.find(in.attribute); it != s.attributes.end()) {
-            const PointField& f = it->second;
-            set(f.per_point ? s.count : 1, [&](uint32_t i) {
-                std::array<double, 4> v{};
-                for (int c = 0; c < f.channels; ++c) v[c] = f.at(i, c);
-                return converted(v, f.channels);
-            });
-        } else if (const PointMesh::Attribute* a = s.on_mesh() ? s.mesh->find(in.attribute) : nullptr) {
-            set(s.count, [&](uint32_t i) {
-                const auto* b = s.field("barycentric");
-                return converted(s.mesh->interpolate(*a, static_cast<uint32_t>(s.field("triangle")->at(i, 0)), b->at(i, 0), b->at(i, 1)), a->channels);
-            });
-        } else if (in.attribute.ends_with(".tangent") && (s.field("tangent_object") || in.attribute == s.active_uv() + ".tangent")) {
-            set(s.varies() ? s.count : 1, [&](uint32_t i) { return s.value(Global::TangentObject, i); });
-        } else if (in.attribute.ends_with(".tangent_sign") && (s.field("tangent_sign") || in.attribute == s.active_uv() + ".tangent_sign")) {
-            set(s.varies() ? s.count : 1, [&](uint32_t i) { return std::array<double, 1>{s.scalar(Global::TangentSign, i)}; });
-        } else if (in.attribute.ends_with(kExistsSuffix)) {
-            const bool exists = has_attribute(in.attribute.substr(0, in.attribute.size() - kExistsSuffix.size()));
-            set(1, [&](uint32_t) { return std::array<double, 4>{exists ? 1.0 : 0.0}; });
-        } else {
-            set(1, [](uint32_t) { return std::array<double, 4>{}; });
-        }
-        return;
-    }
+    if (in.is_attribute) return append_attribute(s, in, set);
     const bool matrix = in.global >= Global::ObjectToWorldX && in.global <= Global::WorldToCameraT;
     const uint32_t n = matrix || !s.varies() ? 1 : s.count;
     if (in.channels == 1) set(n, [&](uint32_t i) { return std::array<double, 1>{s.scalar(in.global, i)}; });
@@ -335,5 +371,7 @@ void PointSet::fill(const ProgramInput& in, std::vector<std::vector<double>>& ch
         uniform.push_back(c.uniform);
     }
 }
+
+bool PointSet::has_attribute(const std::string& name) const { return find_attribute(*data_, name).channels > 0; }
 
 }  // namespace alder

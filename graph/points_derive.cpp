@@ -223,6 +223,19 @@ double PointData::footprint(uint32_t i) const {
     return 0.5 * (length(turn_x) + length(turn_y)) * length(v);
 }
 
+double PointData::edge_distance(uint32_t i) const {
+    if (const auto* f = field("edge_distance")) return f->at(i, 0);
+    if (world || !on_mesh()) return 0;
+    const Corners c = corners(i);
+    const Vec3d position = p(i);
+    double nearest = HUGE_VAL;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d edge = c.p[(k + 1) % 3] - c.p[k];
+        nearest = std::min(nearest, length(cross(edge, position - c.p[k])) / length(edge));
+    }
+    return nearest;
+}
+
 Vec3d PointData::dpdx(uint32_t i, bool y) const {
     if (const auto* f = field(y ? "dPdy" : "dPdx")) return f->vec(i);
     Vec3d a, b;
@@ -352,6 +365,7 @@ double PointData::scalar(Global g, uint32_t i) const {
         case Global::Backfacing: return backfacing(i) ? 1 : 0;
         case Global::RayLength: return ray_length(i);
         case Global::PixelFootprint: return footprint(i);
+        case Global::EdgeDistance: return edge_distance(i);
         default: break;
     }
     if (g >= Global::IsCameraRay && g <= Global::IsVolumeRay) return ray_kind(g, i);

@@ -80,6 +80,7 @@ struct PointData {
     Vec3d window(uint32_t i) const;
     double ray_length(uint32_t i) const;
     double footprint(uint32_t i) const;
+    double edge_distance(uint32_t i) const;
     double ray_kind(Global g, uint32_t i) const;
 
     struct Corners {

@@ -67,24 +67,22 @@ constexpr GlobalRow kGlobals[] = {
     {Global::ObjectRandom, 1, "object_random"}, {Global::IslandRandom, 1, "island_random"},
     {Global::Pointiness, 1, "pointiness"}, {Global::BarycentricU, 1, "barycentric_u"},
     {Global::BarycentricV, 1, "barycentric_v"}, {Global::Time, 1, "time"}, {Global::PixelFootprint, 1, "pixel_footprint"},
-    {Global::PreviousAlpha, 1, "previous_alpha"},
+    {Global::PreviousAlpha, 1, "previous_alpha"}, {Global::EdgeDistance, 1, "edge_distance"},
 };
 static_assert(std::size(kGlobals) == static_cast<size_t>(Global::kCount));
 
+/// Letters apart, ignoring case; neighbours exchanged count once (optimal string alignment).
 int edit_distance(std::string_view a, std::string_view b) {
-    std::vector<int> row(b.size() + 1);
-    for (size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
-    for (size_t i = 1; i <= a.size(); ++i) {
-        int diagonal = row[0];
-        row[0] = static_cast<int>(i);
+    const auto same = [](char x, char y) { return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y)); };
+    std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1));
+    for (size_t i = 0; i <= a.size(); ++i) d[i][0] = static_cast<int>(i);
+    for (size_t j = 0; j <= b.size(); ++j) d[0][j] = static_cast<int>(j);
+    for (size_t i = 1; i <= a.size(); ++i)
         for (size_t j = 1; j <= b.size(); ++j) {
-            const int up = row[j];
-            const bool same = std::tolower(static_cast<unsigned char>(a[i - 1])) == std::tolower(static_cast<unsigned char>(b[j - 1]));
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (same ? 0 : 1)});
-            diagonal = up;
+            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (same(a[i - 1], b[j - 1]) ? 0 : 1)});
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1])) d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
         }
-    }
-    return row[b.size()];
+    return d[a.size()][b.size()];
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ enum class Global : uint8_t {
     Duvdx, Duvdy,    ///< uv change per pixel step
     Dpodx, Dpody,    ///< object-space position change per pixel step
     Dgendx, Dgendy,  ///< generated-coordinate change per pixel step
-    Tangent,         ///< tangent of the active UV map, world space
+    Tangent,         ///< of closures' unlinked Tangent: around the object's Z axis, world space
     TangentSign,     ///< 1 channel
     TangentObject,   ///< the same tangent as stored: object space
     Direction,       ///< world graphs: direction of the ray (away from the camera)
@@ -71,6 +71,7 @@ enum class Global : uint8_t {
     IsCameraRay, IsShadowRay, IsDiffuseRay, IsGlossyRay, IsSingularRay, IsReflectionRay, IsTransmissionRay, IsVolumeRay,
     FaceIndex, FootprintArea, ObjectIndex, MaterialIndex, ObjectRandom, IslandRandom, Pointiness,
     BarycentricU, BarycentricV, Time, PixelFootprint, PreviousAlpha,
+    EdgeDistance,    ///< distance to the nearest edge of the triangle, world space; 0 where not known (Wireframe)
     kCount
 };
 int channels(Global g);
@@ -151,12 +152,13 @@ struct Statics {
     std::vector<LobeSpec> lobes;        ///< closure nodes: the static lobe set
     std::vector<int> lobe_offset;       ///< first output channel of each lobe
     std::shared_ptr<const Prepared> prepared;
-    /// Numeric parameters: constant and 0 in every channel; unlinked and at the default. lobes() and uses() may rely on them:
-    /// a constant that moves across either is a change of structure. Short or empty = not known.
-    std::vector<bool> zero, at_default;
-    std::vector<char>* asked = nullptr;  ///< while compiling: parameters whose zero or default was looked at
+    /// Numeric parameters: constant and 0 in every channel; constant and 1; unlinked and at the default. lobes() and uses() may
+    /// rely on them: a constant that moves across one of these is a change of structure. Short or empty = not known.
+    std::vector<bool> zero, one, at_default;
+    std::vector<char>* asked = nullptr;  ///< while compiling: parameters for which one of these was looked at
     int e(int param) const { return enums[param]; }
     bool is_zero(int param) const { return fact(zero, param); }
+    bool is_one(int param) const { return fact(one, param); }
     bool is_default(int param) const { return fact(at_default, param); }
 
   private:
@@ -232,6 +234,8 @@ struct NodeType {
 
     /// Whether a parameter has any effect given the statics (unavailable sockets, switched-off features). Optional.
     bool (*uses)(const Statics&, int param) = nullptr;
+    /// The same for globals[index]; what is not used reads as zero. Optional.
+    bool (*uses_global)(const Statics&, int index) = nullptr;
     /// Bakes tables, opens images. Appends to `errors` what is wrong. Optional. Must not throw.
     std::shared_ptr<const Prepared> (*prepare)(const Statics&, std::vector<std::string>& errors) = nullptr;
     /// Lazy inputs given the statics. Optional.

@@ -58,7 +58,7 @@ struct ClosureRequest {
 template <class R>
 struct Results {
     std::vector<std::vector<R>> outputs;  ///< by result channel: count values
-    std::vector<std::array<R, 3>> f_cos, sampled_wi, sampled_weight;
+    std::vector<std::array<R, 3>> f_cos, emission, sampled_wi, sampled_weight;
     std::vector<R> pdf, sampled_pdf;
 };
 
@@ -84,6 +84,7 @@ class Evaluation {
                 }
         if (closure_.wanted) {
             results_.f_cos.resize(n);
+            results_.emission.resize(n);
             results_.pdf.resize(n);
         }
         if (!closure_.sample.empty()) {
@@ -179,6 +180,8 @@ class Evaluation {
             const auto vec = [](const std::array<double, 3>& v) { return Vec3<R>(R(v[0]), R(v[1]), R(v[2])); };
             ShadingView<R> view{vec(closure_.wo[p]), vec(ng_[p]), vec(ns_[p])};
             const Bsdf<R> bsdf(lobes, view);
+            const Vec3<R> emission = bsdf.emission();
+            results_.emission[p] = {emission.x, emission.y, emission.z};
             if (!closure_.wi.empty()) {
                 // What Cycles evaluates, sampled or not: requests compare with its tables.
                 view.unreachable_too = true;
@@ -257,6 +260,7 @@ json evaluate(std::shared_ptr<const Program> values, std::shared_ptr<const Progr
         }
     if (closure.wanted) {
         json& out = answer["closure"] = json::object();
+        out["emission"] = triples_json(r.emission);  // apart: f_cos is scattering alone
         if (!closure.wi.empty()) {
             out["f_cos"] = triples_json(r.f_cos);
             json pdf = json::array();
@@ -384,7 +388,7 @@ json evaluate_request(const json& request, const EvaluateOptions& options, Diagn
     }
     if (closure.wanted) {
         if (!material->has_surface()) error("/closure/output", "unknown-output", "surface", "a graph with a surface output");
-        else surface_program = material->program({.surface = LobeFilter::Scatter}, d);
+        else surface_program = material->program({.surface = LobeFilter::Scatter | LobeFilter::Emission}, d);
     }
     if (!d.ok()) return nullptr;
     json answer = o.precision == EvaluateOptions::Precision::Double ? evaluate<double>(value_program, surface_program, *points, closure, o)

@@ -128,6 +128,13 @@ struct Batch {
         const Vec3f g = generated(i);
         return {-(g.y - 0.5f), g.x - 0.5f, 0};
     }
+    /// What Cycles' closures take where their Tangent is unlinked: around the object's Z axis, within the surface.
+    Vec3f radial_tangent(size_t i) const {
+        const Vec3f g = generated(i), n = points[i].n;
+        const Vec3f around = frame(i).object_to_world.normal({-(g.y - 0.5f), g.x - 0.5f, 0});
+        const Vec3f t = safe_normalize(cross(n, safe_normalize(cross(around, n))));
+        return dot(t, t) > 0 ? t : frame_about(n).x;
+    }
     float tangent_sign(size_t i) const {
         if (!on_mesh(i)) return 1;
         const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
@@ -163,7 +170,7 @@ Vec3f Batch::vec3(Global g, size_t i) const {
         case Global::Dpody: return frame(i).world_to_object.vector(dpdx(i, true));
         case Global::Dgendx: return on_mesh(i) ? frame(i).world_to_object.vector(dpdx(i, false)) * generated_scale(i) : dpdx(i, false);
         case Global::Dgendy: return on_mesh(i) ? frame(i).world_to_object.vector(dpdx(i, true)) * generated_scale(i) : dpdx(i, true);
-        case Global::Tangent: return safe_normalize(frame(i).object_to_world.vector(tangent_object(i)));
+        case Global::Tangent: return radial_tangent(i);
         case Global::TangentObject: return tangent_object(i);
         case Global::Direction:
         case Global::Rd: return -s.wo;

@@ -17,11 +17,16 @@ enum StageMaterial : uint32_t { kSubject, kFloor, kStand };
 enum StageLightGroup { kKey = 1, kFill = 2, kRim = 3 };
 
 // The stage's own materials are ordinary graph documents.
+// Floor: squares of half a metre, by the parity of the uv's whole parts.
 constexpr const char* kFloorGraph = R"({"version": 1, "nodes": {
   "uv": {"type": "ShaderNodeTexCoord"},
-  "checker": {"type": "ShaderNodeTexChecker", "params": {"Vector": {"node": "uv", "output": "UV"}, "Scale": 2.0,
-      "Color1": [0.19, 0.19, 0.195], "Color2": [0.145, 0.145, 0.15]}},
-  "bsdf": {"type": "ShaderNodeBsdfDiffuse", "params": {"Color": {"node": "checker", "output": "Color"}}}},
+  "cells": {"type": "ShaderNodeVectorMath", "params": {"operation": "SCALE", "Vector": {"node": "uv", "output": "UV"}, "Scale": 2.0}},
+  "cell": {"type": "ShaderNodeVectorMath", "params": {"operation": "FLOOR", "Vector": {"node": "cells", "output": "Vector"}}},
+  "split": {"type": "ShaderNodeSeparateXYZ", "params": {"Vector": {"node": "cell", "output": "Vector"}}},
+  "sum": {"type": "ShaderNodeMath", "params": {"operation": "ADD", "Value": {"node": "split", "output": "X"}, "Value_001": {"node": "split", "output": "Y"}}},
+  "parity": {"type": "ShaderNodeMath", "params": {"operation": "PINGPONG", "Value": {"node": "sum"}, "Value_001": 1.0}},
+  "grey": {"type": "ShaderNodeMath", "params": {"operation": "MULTIPLY_ADD", "Value": {"node": "parity"}, "Value_001": 0.045, "Value_002": 0.145}},
+  "bsdf": {"type": "ShaderNodeBsdfDiffuse", "params": {"Color": {"node": "grey"}}}},
   "outputs": {"surface": {"node": "bsdf"}}})";
 constexpr const char* kStandGraph = R"({"version": 1, "nodes": {
   "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.025, 0.026, 0.028], "Roughness": 0.4}}},

@@ -1,8 +1,10 @@
-// SHA-256, whole and while streaming: the names of assets and the tags of cached answers.
+// SHA-256 while streaming, and the names of assets made of it.
 #pragma once
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "graph/digest.h"   // sha256_hex(): of what is in memory
 
 namespace alder {
 
@@ -20,7 +22,6 @@ class Sha256 {
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-std::string sha256_hex(std::string_view bytes);
 bool is_sha256_hex(std::string_view text);
 /// The hexadecimal part of "sha256:HEX"; empty where it is not one.
 std::string digest_hex(std::string_view name);

@@ -49,7 +49,7 @@ bool query_lenient(const http::Request& request) {
 http::Response post_scenes(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
     bool lenient = query_lenient(request);
-    nlohmann::json body = s.read_json(request);
+    nlohmann::json body = s.read_json(request, true);
     Diagnostics d;
     nlohmann::json source;
     if (body.is_object() && body.contains("container")) {

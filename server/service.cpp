@@ -65,7 +65,7 @@ Service::~Service() {
     for (Lane* lane : {&compile_lane, &preview_lane, &render_lane}) lane->stop();
 }
 
-nlohmann::json Service::read_json(http::Request& request) {
+nlohmann::json Service::read_json(http::Request& request, bool is_scene) {
     if (const std::string* coding = request.header("content-encoding"); coding && *coding != "identity")
         throw Problem{"media-type", fmt::format("Content-Encoding '{}' is not accepted", *coding)};
     if (const std::string* type = request.header("content-type")) {
@@ -75,11 +75,11 @@ nlohmann::json Service::read_json(http::Request& request) {
         if (base != "application/json" && !base.ends_with("+json"))
             throw Problem{"media-type", fmt::format("Content-Type is '{}'; application/json is needed", *type)};
     }
-    const uint64_t limit = options.limits.body_bytes;
+    const uint64_t limit = is_scene ? std::max(options.limits.scene_bytes, options.limits.body_bytes) : options.limits.body_bytes;
     const auto too_large = [&] {
         Problem p{"body-too-large", fmt::format("the body is larger than {} bytes", limit)};
         p.extra["limit"] = limit;
-        p.extra["limit_option"] = "--max-body";
+        p.extra["limit_option"] = is_scene ? "--max-scene" : "--max-body";
         return p;
     };
     // What all bodies being read hold together stays bounded too, however many connections there are.
@@ -109,7 +109,9 @@ nlohmann::json Service::read_json(http::Request& request) {
     }
     if (body.empty()) throw Problem{"malformed-json", "the body is empty"};
     Diagnostics d;
-    auto json = parse_json(body, JsonLimits{}, d);
+    JsonLimits limits;
+    if (is_scene) limits.string_bytes = limit;   // arrays as base64
+    auto json = parse_json(body, limits, d);
     if (!json) throw json_problem(d.errors.front());
     return std::move(*json);
 }

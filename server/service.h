@@ -27,8 +27,8 @@ class Service {
     /// Answers one request: access, route, work, errors, metrics, log. Never throws.
     http::Response handle(http::Request& request);
 
-    /// The body as JSON, or a Problem.
-    nlohmann::json read_json(http::Request& request);
+    /// The body as JSON, or a Problem. A scene document may be longer than other bodies.
+    nlohmann::json read_json(http::Request& request, bool is_scene = false);
     /// Runs `work` on a lane and waits for it, at most `seconds` where that is > 0; cancels it when the client leaves, the
     /// time is over, or the daemon stops. Problems and exceptions thrown by `work` come out here.
     void run(Lane& lane, http::Request& request, double seconds, const std::function<void(const std::atomic<bool>& cancel)>& work);

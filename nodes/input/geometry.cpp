@@ -42,15 +42,17 @@ namespace alder {
 ALDER_KERNEL_EXPORT(radial_tangent)
 ALDER_KERNEL_EXPORT(parametric)
 
+static ValueRef radial_tangent(Lowering& l) {
+    const ValueRef operands[] = {l.global(Global::Generated), l.global(Global::N), l.global(Global::WorldToObjectX),
+                                 l.global(Global::WorldToObjectY), l.global(Global::WorldToObjectZ), l.global(Global::RayLength)};
+    return l.op("radial_tangent", radial_tangent_kernel(), operands, Type::Vector);
+}
+
 static void lower_geometry(Lowering& l, int output) {
     switch (output) {
         case 0: return l.result(l.global(Global::P));
         case 1: return l.result(l.global(Global::N));
-        case 2: {
-            const ValueRef operands[] = {l.global(Global::Generated), l.global(Global::N), l.global(Global::WorldToObjectX),
-                                         l.global(Global::WorldToObjectY), l.global(Global::WorldToObjectZ), l.global(Global::RayLength)};
-            return l.result(l.op("radial_tangent", radial_tangent_kernel(), operands, Type::Vector));
-        }
+        case 2: return l.result(radial_tangent(l));
         case 3: return l.result(l.global(Global::Ng));
         case 4: return l.result(l.global(Global::I));
         case 5: {

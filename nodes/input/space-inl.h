@@ -17,6 +17,11 @@ struct Matrix3 {
     HWY_INLINE Vec3<F> apply(Vec3<F> v) const { return x * v.x + y * v.y + z * v.z; }
     /// Transposed matrix times v: of an inverse matrix, the transform of a normal.
     HWY_INLINE Vec3<F> transposed(Vec3<F> v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+    HWY_INLINE Matrix3 inverse() const {
+        const Vec3<F> a = cross(y, z), b = cross(z, x), c = cross(x, y);  // rows of the inverse, times the determinant
+        const F scale = F(1) / dot(x, a);
+        return {Vec3<F>(a.x, b.x, c.x) * scale, Vec3<F>(a.y, b.y, c.y) * scale, Vec3<F>(a.z, b.z, c.z) * scale};
+    }
 };
 /// Three columns, nine channels from `channel` on.
 template <class F>

@@ -63,6 +63,10 @@ HWY_INLINE F safe_modulo(F a, F b) { return select(b != F(0), fmod(a, select(b !
 HWY_INLINE VF remainder_of(VF a, VF q, VF b) { return to_lanes(Doubles(a) - Doubles(q) * Doubles(b)); }
 HWY_INLINE float remainder_of(float a, float q, float b) { return static_cast<float>(static_cast<double>(a) - static_cast<double>(q) * b); }
 HWY_INLINE double remainder_of(double a, double q, double b) { return std::fma(-q, b, a); }
+/// a b + c rounded once on every instruction set, where the reference's fused result shows (cancelling polynomials).
+HWY_INLINE VF fused(VF a, VF b, VF c) { return to_lanes(Doubles(a) * Doubles(b) + Doubles(c)); }
+HWY_INLINE float fused(float a, float b, float c) { return static_cast<float>(static_cast<double>(a) * b + c); }
+HWY_INLINE double fused(double a, double b, double c) { return std::fma(a, b, c); }
 template <class F>
 HWY_INLINE F safe_floored_modulo(F a, F b) { return select(b != F(0), remainder_of(a, floor(a / b), b), F(0)); }
 template <class F>

@@ -379,6 +379,31 @@ HWY_INLINE F fused_mad(F a, F b, F c) {
     }
 }
 
+// ---- lanes in memory: for loads that no gather serves; arrays of kMostLanes<F>, aligned --------------------------------
+template <class F>
+inline constexpr int kMostLanes = std::is_same_v<F, VF> ? HWY_MAX_BYTES / sizeof(float) : 1;
+template <class F>
+HWY_INLINE void store_ints(Int<F> x, int32_t* to) {
+    if constexpr (std::is_same_v<F, VF>) hn::Store(x.v, TagI(), to);
+    else *to = x;
+}
+template <class F>
+HWY_INLINE Int<F> load_ints(const int32_t* from) {
+    if constexpr (std::is_same_v<F, VF>) return VI(hn::Load(TagI(), from));
+    else return *from;
+}
+template <class F>
+HWY_INLINE F load_floats(const float* from) {
+    if constexpr (std::is_same_v<F, VF>) return VF(hn::Load(TagF(), from));
+    else return static_cast<F>(*from);
+}
+/// Four floats a lane, one lane after the other: the first, second, third and fourth of all lanes.
+template <class F>
+HWY_INLINE void load_floats_by_four(const float* from, F (&out)[4]) {
+    if constexpr (std::is_same_v<F, VF>) hn::LoadInterleaved4(TagF(), from, out[0].v, out[1].v, out[2].v, out[3].v);
+    else for (int i = 0; i < 4; ++i) out[i] = static_cast<F>(from[i]);
+}
+
 // ---- small named helpers --------------------------------------------------------------------------------------------
 template <class F>
 HWY_INLINE F clamp(F x, F lo, F hi) { return min(max(x, lo), hi); }

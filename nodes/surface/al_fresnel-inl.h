@@ -26,10 +26,12 @@ struct AlMetal {
 template <class F>
 HWY_INLINE AlMetal<F> al_metal(F reflectivity, F edge_tint) {
     const F r = min(F(0.99), max(F(0), reflectivity)), g = edge_tint;
-    const F root = sqrt(r);
-    const F n = g * (F(1) - r) / (F(1) + r) + (F(1) - g) * (F(1) + root) / (F(1) - root);
-    // Gulbrandsen, equation 6; an edge tint below 0 would ask for a negative square.
-    const F k2 = ((n + F(1)) * (n + F(1)) * r - (n - F(1)) * (n - F(1))) / (F(1) - r);
+    const F root = sqrt(r), highest = (F(1) + root) / (F(1) - root);
+    const F n = g * (F(1) - r) / (F(1) + r) + (F(1) - g) * highest;
+    // Gulbrandsen, equation 6: ((n+1)^2 r - (n-1)^2)/(1-r), in factors, since the difference cancels for small edge tints; `range` is the
+    // highest n less the lowest. Tints below 0 would ask for a negative square.
+    const F range = F(2) * root * (F(1) + root) / ((F(1) - root) * (F(1) + r));
+    const F k2 = g * range * (n - F(1) / highest);
     return {n, safe_sqrt(k2)};
 }
 

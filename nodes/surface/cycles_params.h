@@ -8,7 +8,7 @@ inline Param normal_socket(const char* name = "Normal") {
     return param::vector(name, 0, 0, 0).unlinked(Global::N).doc("shading normal, world space; unlinked: the surface's own");
 }
 inline Param tangent_socket() {
-    return param::vector("Tangent", 0, 0, 0).unlinked(Global::Tangent).doc("direction of the first width, world space");
+    return param::vector("Tangent", 0, 0, 0).unlinked(Global::Tangent).doc("direction of the first width, world space; unlinked: around the object's Z axis");
 }
 /// Blender's hidden socket; Cycles has no counterpart.
 inline Param weight_socket() { return param::f("Weight", 0).doc("has no effect").no_link(); }

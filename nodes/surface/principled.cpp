@@ -323,6 +323,9 @@ static std::vector<LobeSpec> principled_lobes(const Statics& s) {
     lobes[P::Diffuse].label = LobeLabel::Diffuse;
     lobes[P::Diffuse].smooth = s.is_zero(P::DiffuseRoughness);
     lobes[P::Diffuse].gates = {P::Alpha, P::BaseColor};
+    // Full metal or full transmission leaves nothing to the layers below: gated by a parameter that is always 0.
+    const int below = s.is_one(P::Metallic) ? P::Transmission : s.is_one(P::TransmissionWeight) ? P::Dielectric : P::Transparent;
+    for (int i = below; i < P::Transparent; ++i) lobes[i].gates.push_back(P::SubsurfaceWeight);
     if (!s.is_default(P::Alpha))
         lobes.push_back({.kind = LobeKind::Transparent, .label = LobeLabel::Transparent});
     return lobes;

@@ -157,6 +157,7 @@ ALDER_NODE {
         f("Gain", 1).range(0, 1000).doc("weight of an octave by the one before (ridged, hybrid)"),
         f("Distortion", 0).range(-1000, 1000).doc("how far noise moves the coordinates first"),
         b("normalize", true).no_link().alias("use_normalize").doc("fBM: bring the sum to 0 to 1; else it is about -1 to 1 and grows with octaves"),
+        color_mapping_param(),
     };
     n.outputs = {{"Fac", Type::Float}, {"Color", Type::Color}};
     n.kernel = tex_noise_kernel_kernel();

@@ -67,6 +67,7 @@ ALDER_NODE {
         f("Exponent", 0.5).range(0, 32).doc("exponent of the Minkowski distance"),
         f("Randomness", 1).range(0, 1).doc("0 puts the points on a grid; clamped to 0 to 1"),
         b("normalize").no_link().alias("use_normalize").doc("divide by the largest possible distance"),
+        color_mapping_param(),
     };
     n.outputs = {{"Distance", Type::Float}, {"Color", Type::Color}, {"Position", Type::Vector}, {"W", Type::Float}, {"Radius", Type::Float}};
     n.kernel.lanes = [](const OpCall<float>& c) { kernel_of(*c.statics).lanes(c); };

@@ -115,6 +115,7 @@ ALDER_NODE {
         f("Detail Scale", 1).range(-1000, 1000).doc("frequency of the noise relative to the waves"),
         f("Detail Roughness", 0.5).range(0, 1).doc("strength of an octave relative to the one before"),
         f("Phase Offset", 0).range(-1000, 1000).doc("shifts the waves, in radians"),
+        color_mapping_param(),
     };
     n.outputs = {{"Color", Type::Color}, {"Fac", Type::Float}};
     n.kernel = tex_wave_kernel_kernel();

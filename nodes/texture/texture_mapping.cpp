@@ -141,6 +141,8 @@ Param texture_mapping_param() {
              "TEXTURE, VECTOR or NORMAL, \"mapping_x\", \"mapping_y\", \"mapping_z\": NONE, X, Y or Z}; null is none");
 }
 
+Param color_mapping_param() { return param::json("color_mapping").doc("Blender's colour mapping: has no effect, as in Cycles"); }
+
 std::shared_ptr<const Prepared> prepare_texture_mapping(const Statics& statics, std::vector<std::string>& errors) {
     const int index = statics.type->param_index("texture_mapping");
     auto prepared = std::make_shared<PreparedTexture>();

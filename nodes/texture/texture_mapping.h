@@ -24,6 +24,8 @@ TextureMapping parse_texture_mapping(const std::string& json, std::vector<std::s
 
 /// The parameter, for every texture node's schema.
 Param texture_mapping_param();
+/// Blender's colour mapping of texture nodes, which Cycles does not read: accepted.
+Param color_mapping_param();
 
 /// NodeType::prepare of nodes that need nothing but the mapping: null where it is the identity.
 std::shared_ptr<const Prepared> prepare_texture_mapping(const Statics& statics, std::vector<std::string>& errors);

@@ -5,12 +5,29 @@
 #include <limits>
 
 namespace alder {
+namespace {
+
+/// False for NaN.
+template <class T>
+bool average_positive(Vec3<T> c) { return c.x + c.y + c.z > 0; }
+
+}  // namespace
 
 template <class T>
 Bsdf<T>::Bsdf(std::span<Lobe<T>> lobes, const ShadingView<T>& view) : lobes_(lobes), view_(view) {
     T sum = 0;
+    Lobe<T>* only = nullptr;
+    int candidates = 0;
     for (Lobe<T>& l : lobes_) {
-        l.pick = lobe_sampling_weight(l, view.wo);
+        l.pick = 0;
+        if (l.spec->kind == LobeKind::Emission || l.spec->kind == LobeKind::Holdout) continue;
+        if (l.weight.x == 0 && l.weight.y == 0 && l.weight.z == 0) continue;
+        only = &l;
+        ++candidates;
+    }
+    for (Lobe<T>& l : lobes_) {
+        if (candidates > 1) l.pick = lobe_sampling_weight(l, view.wo);
+        else if (&l == only) l.pick = average_positive(l.weight) ? 1 : 0;  // no choice to make
         sum += l.pick;
         if (l.pick > 0 && !is_delta(l)) has_density_ = true;
     }

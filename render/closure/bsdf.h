@@ -56,7 +56,7 @@ struct BsdfSample {
     bool is_transmission = false;  ///< wi lies on the far side of ng
     bool is_diffuse = false;       ///< sampled from a diffuse kind (else glossy, or delta)
     T eta = 1;                     ///< index of the far medium over the near one where refracted
-    T roughness = 1;               ///< width alpha of the sampled lobe; 1 for diffuse kinds, 0 for delta
+    T roughness = 1;               ///< larger width alpha of the sampled lobe; 1 for diffuse kinds, 0 for delta
     bool valid = false;            ///< false: no direction (absorbed, or below the surface)
     int lobe = -1;                 ///< index of the lobe sampled (Bsdf)
 };

@@ -1,6 +1,8 @@
 // Evaluation and sampling of one lobe. Formulas and conventions: nodes/lobe.h and the sources cited in the headers here.
+#include <algorithm>
 #include <limits>
 
+#include "nodes/surface/energy-inl.h"
 #include "nodes/surface/fresnel-inl.h"
 #include "render/closure/bsdf.h"
 #include "render/closure/diffuse.h"
@@ -168,7 +170,7 @@ BsdfSample<T> sample_microfacet(const Lobe<T>& l, const ShadingView<T>& view, T 
     s.wi = normalize(frame.to_world(wi));
     s.is_transmission = refract;
     s.weight = (refract ? t : r) / p_choice;
-    s.roughness = std::sqrt(m.facets.ax * m.facets.ay);
+    s.roughness = std::max(m.facets.ax, m.facets.ay);
     if (s.is_delta) {
         s.pdf = p_choice;
         s.roughness = 0;
@@ -401,7 +403,7 @@ BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T 
             s.pdf = e.pdf;
             s.valid = e.pdf > 0;
             if (s.valid) s.weight = e.f_cos / e.pdf;
-            if (phong) s.roughness = std::sqrt(closure::Phong<T>(l).ax * closure::Phong<T>(l).ay);
+            if (phong) s.roughness = std::max(closure::Phong<T>(l).ax, closure::Phong<T>(l).ay);
         }
     }
     s.weight = s.valid ? closure::bounded(s.weight * l.weight) : Vec3<T>(T(0));
@@ -420,7 +422,29 @@ Vec3<T> lobe_albedo(const Lobe<T>& l, Vec3<T> wo) {
     const MicrofacetLobe<T> m(l);
     Vec3<T> r, t;
     m.fresnel(c, r, t);
-    return bounded(l.weight * (r + t));
+    const T rough = hw::table_roughness(m.facets.ax, m.facets.ay);
+    // Rough facets are seen at other angles than the surface is: tables for dielectrics, the average for metals.
+    const bool film = m.at.film >= 0 && m.p[m.at.film] > T(0.1);
+    if (spec.fresnel == FresnelMode::F82 || spec.fresnel == FresnelMode::Conductor) {
+        const Vec3<T> f0 = m.rgb(m.at.f0), edge = m.rgb(m.at.edge);
+        const Vec3<T> mean = spec.fresnel == FresnelMode::F82 ? hw::f82_average(f0, edge) : hw::fresnel_conductor_average(f0, edge);
+        r = lerp(r, mean, rough);
+    } else if (m.reflects() && m.eta > 1 && !film &&
+               (spec.fresnel == FresnelMode::Dielectric || spec.fresnel == FresnelMode::Principled)) {
+        const Vec3<T> f0 = m.at.f0 >= 0 ? m.rgb(m.at.f0) : Vec3<T>(hw::f0_from_ior(m.eta));
+        const T rise = hw::layer_fresnel_rise(rough, c, m.eta);
+        for (int i = 0; i < 3; ++i) {
+            const T before = 1 - r[i];
+            r[i] = f0[i] + (1 - f0[i]) * rise;
+            t[i] = before > T(1e-6) ? t[i] * (1 - r[i]) / before : T(0);
+        }
+    }
+    T single = 1;
+    if (spec.distribution == Distribution::GGX)
+        single = spec.kind == LobeKind::MicrofacetReflection ? hw::ggx_energy(rough, c).e
+                 : spec.kind == LobeKind::MicrofacetGlass    ? hw::ggx_glass_energy(rough, c, m.eta).e
+                                                             : T(1);
+    return bounded(l.weight * (r + t) * single);
 }
 
 template <class T>

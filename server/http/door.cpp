@@ -59,7 +59,10 @@ std::string http_date() {
 }
 
 struct FileCloser {
-    int fd = -1;
+    const int fd;
+    explicit FileCloser(int f) : fd(f) {}
+    FileCloser(const FileCloser&) = delete;
+    FileCloser& operator=(const FileCloser&) = delete;
     ~FileCloser() {
         if (fd >= 0) ::close(fd);
     }
@@ -176,7 +179,7 @@ struct Door::Impl : private httplib::Server {
             if (request.method == "HEAD" && !out.has_header("Accept-Ranges")) out.set_header("Accept-Ranges", "none");
             if (close) out.set_header("Connection", "close");
             if (response.file) {
-                const auto file = std::make_shared<FileCloser>(FileCloser{response.file->fd});
+                const auto file = std::make_shared<FileCloser>(response.file->fd);
                 const uint64_t base = response.file->offset;
                 if (response.file->length > 0)
                     out.set_content_provider(

@@ -16,6 +16,7 @@ struct Limits {
     size_t header_bytes = 16 << 10;
     size_t header_fields = 100;
     size_t body_bytes = 8 << 20;          ///< of JSON; routes that store files set their own
+    size_t scene_bytes = 256 << 20;       ///< of a scene document
     double head_seconds = 5;              ///< from the first byte of a request to the end of its headers
     double idle_seconds = 15;             ///< between the requests of a connection
     double body_grace_seconds = 10;       ///< after which a body must have come at `body_bytes_per_second`

@@ -92,6 +92,39 @@ TEST(points, attributes_convert_to_what_is_asked) {
     EXPECT_EQ(at(values(p, attribute_input("absent", 3)), 2, 1), 0);
 }
 
+TEST(points, names_with_a_suffix_say_more_of_an_attribute) {
+    const json p = {{"count", 1}, {"attributes", {{"rgba", {0.5, 0.25, 0, 0.75}}, {"rgb", {1, 2, 3}}}}};
+    EXPECT_EQ(at(values(p, attribute_input("rgba.alpha", 1)), 0, 0), 0.75);
+    EXPECT_EQ(at(values(p, attribute_input("rgb.alpha", 1)), 0, 0), 1);
+    EXPECT_EQ(at(values(p, attribute_input("absent.alpha", 1)), 0, 0), 1);
+    EXPECT_EQ(at(values(p, attribute_input("rgb.exists", 1)), 0, 0), 1);
+    EXPECT_EQ(at(values(p, attribute_input("absent.exists", 1)), 0, 0), 0);
+    const json properties = {{"count", 1}, {"surface", {{"object_custom_properties", {{"wear", 0.5}}}, {"scene_custom_properties", {{"sun", {1, 2, 3}}}}}}};
+    EXPECT_EQ(at(values(properties, attribute_input("object:wear", 1)), 0, 0), 0.5);
+    EXPECT_EQ(at(values(properties, attribute_input("view_layer:sun", 3)), 2, 0), 3);
+}
+
+TEST(points, a_triangle_gives_position_normal_and_distance_to_its_edges) {
+    const json mesh = {{"positions", {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}}, {"triangles", {{0, 1, 2}}},
+                       {"uv", {{"map", {{0, 0}, {1, 0}, {0, 1}}}}}, {"attributes", {{"heat", {{"domain", "POINT"}, {"values", {0, 1, 3}}}}}}};
+    const json p = {{"count", 1}, {"triangle", 0}, {"barycentric", {0.5, 0.25}}, {"I", {0, 0, -1}},
+                    {"surface", {{"mesh", mesh}, {"object_to_world", {1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}}};
+    EXPECT_EQ(at(values(p, global_input(Global::P)), 0, 0), 11);
+    EXPECT_EQ(at(values(p, global_input(Global::Po)), 0, 0), 1);
+    EXPECT_EQ(at(values(p, global_input(Global::Ng)), 2, 0), -1) << "turned towards the viewer below";
+    EXPECT_EQ(at(values(p, global_input(Global::Ngu)), 2, 0), 1);
+    EXPECT_EQ(at(values(p, global_input(Global::Backfacing)), 0, 0), 1);
+    EXPECT_EQ(at(values(p, global_input(Global::EdgeDistance)), 0, 0), 1);
+    EXPECT_EQ(at(values(p, global_input(Global::Uv)), 1, 0), 0.25);
+    EXPECT_EQ(at(values(p, global_input(Global::Dpdu)), 0, 0), 4);
+    EXPECT_EQ(at(values(p, attribute_input("heat", 1)), 0, 0), 1);
+}
+
+TEST(points, a_reference_object_gives_its_space_to_object_coordinates) {
+    const json p = {{"count", 1}, {"P", {3, 0, 0}}, {"surface", {{"reference_object_to_world", {2, 0, 0, 1, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1}}}}};
+    EXPECT_EQ(at(values(p, global_input(Global::Po)), 0, 0), 1);
+}
+
 TEST(points, numbers_are_rounded_to_single_precision) {
     EXPECT_EQ(at(values({{"count", 1}, {"P", {0.1, 0, 0}}}, global_input(Global::P)), 0, 0), static_cast<double>(0.1f));
 }

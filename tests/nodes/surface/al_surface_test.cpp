@@ -1,5 +1,6 @@
 // alSurface: its schema against the catalogue, its switches, its refusals, and what each setting does to the lobes.
 #include <fstream>
+#include <random>
 
 #include "nodes/surface/al_surface_params.h"
 #include "tests/nodes/surface/al_fixture.h"
@@ -247,6 +248,42 @@ TEST(al_surface, metallic_specular_reflects_the_colour_of_the_metal_and_casts_a_
     }
     EXPECT_NEAR(lobes[kDiffuse].weight.x, 0.5 * (1 - 0.9), 1e-9) << "the largest channel is what is passed on";
     EXPECT_EQ(largest(lobes[kShadow].weight), 0);
+}
+
+TEST(al_surface, lanes_agree_with_double) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<double> u(0, 1);
+    const NodeType& type = *find_node("alSurface");
+    double worst = 0;
+    for (int k = 0; k < 300; ++k) {
+        json params = {{"specular1Distribution", k % 2 ? "ggx" : "beckmann"}, {"specular2FresnelMode", k % 3 ? "dielectric" : "metallic"},
+                       {"specular1FresnelMode", k % 5 ? "dielectric" : "metallic"}};
+        for (const Param& p : type.params) {
+            if (channels(p.type) == 3 && p.takes_links) params[p.name] = {u(engine), u(engine), u(engine)};
+            if (p.type == Type::Float && p.takes_links) params[p.name] = u(engine);
+        }
+        params["specular1Ior"] = 1 + 2 * u(engine);
+        params["specular2Ior"] = 1 + 2 * u(engine);
+        SurfaceNode node(params, k % 2 ? std::set<std::string>{"specular1Normal", "diffuseNormal"} : std::set<std::string>{});
+        const double z = 0.05 + 0.95 * u(engine), phi = 6.28 * u(engine), s = std::sqrt(1 - z * z);
+        node.set(Global::I, {s * std::cos(phi), s * std::sin(phi), z});
+        node.set(Global::Backfacing, k % 7 == 0);
+        node.set(Global::RayDepth, k % 4);
+        node.set(Global::PreviousAlpha, u(engine) * (k % 4 > 0));
+        const auto exact = node.run();
+        const auto lanes = node.run_lanes();
+        for (size_t l = 0; l < exact.size(); ++l) {
+            const Vec3d w = exact[l].weight;
+            for (int c = 0; c < 3; ++c) {
+                worst = std::max(worst, std::abs(w[c] - lanes[l].weight[c]));
+                worst = std::max(worst, std::abs(exact[l].n[c] - lanes[l].n[c]));
+                worst = std::max(worst, std::abs(exact[l].t[c] - lanes[l].t[c]));
+            }
+            for (int p = 0; p < exact[l].spec->params(); ++p)
+                worst = std::max(worst, std::abs(exact[l].p[p] - lanes[l].p[p]) / std::max(1.0, std::abs(exact[l].p[p])));
+        }
+    }
+    EXPECT_LT(worst, 2e-5);
 }
 
 TEST(al_surface, no_input_breaks_it) {

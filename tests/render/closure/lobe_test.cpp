@@ -4,38 +4,11 @@
 
 #include <limits>
 
+#include "tests/render/closure/chi2.h"
 #include "tests/render/closure/lobe_fixture.h"
 
 namespace alder::testing {
 namespace {
-
-/// Cells of equal area about an axis, on a sphere stretched so that narrow lobes fill many of them: the polar coordinate is
-/// s = (1-c)/2 warped to s^(1/warp).
-struct Cells {
-    static constexpr int kRows = 24, kColumns = 32;
-    closure::Frame<double> frame;
-    double warp;
-    int at(Vec3d w) const {
-        const Vec3d l = frame.to_local(w);
-        const double s = std::clamp((l.x * l.x + l.y * l.y) / (2 * (1 + std::abs(l.z))), 0.0, 0.5);
-        const double polar = l.z >= 0 ? s : 1 - s;
-        const int row = std::min(static_cast<int>(std::pow(polar, 1 / warp) * kRows), kRows - 1);
-        const double phi = std::atan2(l.y, l.x) / (2 * kPi<double>) + 0.5;
-        return row * kColumns + std::min(static_cast<int>(phi * kColumns), kColumns - 1);
-    }
-    Vec3d direction(double row, double column, double& jacobian) const {
-        const double u = row / kRows, s = std::pow(u, warp), z = 1 - 2 * s, r = 2 * std::sqrt(std::max(s * (1 - s), 0.0));
-        const double phi = (column / kColumns - 0.5) * 2 * kPi<double>;
-        jacobian = 2 * warp * std::pow(u, warp - 1) / kRows * 2 * kPi<double> / kColumns;
-        return frame.to_world({r * std::cos(phi), r * std::sin(phi), z});
-    }
-};
-
-/// Probability that a chi-squared variable of k degrees exceeds x: Wilson and Hilferty's normal approximation.
-double chi2_tail(double x, double k) {
-    const double t = (std::cbrt(x / k) - (1 - 2 / (9 * k))) / std::sqrt(2 / (9 * k));
-    return 0.5 * std::erfc(t / std::sqrt(2.0));
-}
 
 struct Setting {
     Lobe<double> lobe;
@@ -59,91 +32,18 @@ Setting random_setting(const LobeCase& c, Random& random, int i, double alpha_mi
     return s;
 }
 
-/// The direction about which a lobe is narrowest, so that the cells resolve it.
-Vec3d peak(const Setting& s) {
-    Vec3d best = s.lobe.n;
-    double density = 0;
-    Random random(7);
-    for (int i = 0; i < 200; ++i) {
-        const BsdfSample<double> x = sample_lobe(s.lobe, s.view, random(), random(), random());
-        if (x.valid && x.pdf > density) density = x.pdf, best = x.wi;
-    }
-    return best;
-}
-
-/// Midpoint rule over a square of cell coordinates.
-double midpoint(const Setting& s, const Cells& cells, double row, double column, double size) {
-    const int n = 4;
-    double sum = 0;
-    for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b) {
-            double jacobian;
-            const Vec3d wi = cells.direction(row + size * (a + 0.5) / n, column + size * (b + 0.5) / n, jacobian);
-            sum += eval_lobe(s.lobe, s.view, wi).pdf * jacobian;
-        }
-    return sum * size * size / (n * n);
-}
-/// The density integrated over the square, refined where halving it still changes the result.
-double integrate(const Setting& s, const Cells& cells, double row, double column, double size, int depth) {
-    const double h = size / 2, coarse = midpoint(s, cells, row, column, size);
-    double fine = 0;
-    for (int q = 0; q < 4; ++q) fine += midpoint(s, cells, row + h * (q & 1), column + h * (q >> 1), h);
-    if (depth == 6 || std::abs(fine - coarse) < 4e-7 + 3e-4 * fine) return fine;
-    fine = 0;
-    for (int q = 0; q < 4; ++q) fine += integrate(s, cells, row + h * (q & 1), column + h * (q >> 1), h, depth + 1);
-    return fine;
-}
-
 class LobeLaws : public ::testing::TestWithParam<LobeCase> {};
 
-// The expectation of a cell is the density integrated over it; rejected samples are one more cell, and everything sums to 1.
-// p < 0.01 / number of settings tested (Bonferroni over all kinds) fails.
 TEST_P(LobeLaws, samples_follow_the_density) {
     const LobeCase& c = GetParam();
     Random random(12);
-    const int settings = 12, samples = 60000;
-    const double significance = 0.01 / (settings * scattering_cases().size());
+    const int settings = 12;
     for (int i = 0; i < settings; ++i) {
         const Setting s = random_setting(c, random, i);
-        const Cells cells{closure::frame_around(peak(s)), 2.5};
-        const int count = Cells::kRows * Cells::kColumns;
-        std::vector<double> expected(count + 1, 0.0), observed(count + 1, 0.0);
-        for (int row = 0; row < Cells::kRows; ++row)
-            for (int column = 0; column < Cells::kColumns; ++column)
-                expected[row * Cells::kColumns + column] = integrate(s, cells, row, column, 1, 0);
-        for (int k = 0; k < samples; ++k) {
-            const BsdfSample<double> x = sample_lobe(s.lobe, s.view, random(), random(), random());
-            ASSERT_FALSE(x.valid && x.is_delta) << s.text;
-            ++observed[x.valid ? cells.at(x.wi) : count];
-        }
-        double total = 0;
-        for (int k = 0; k < count; ++k) total += expected[k];
-        const double rejected = observed[count] / samples;
-        // Rejected samples are a binomial estimate: 4.5 standard deviations, and the quadrature's own error.
-        const double deviation = std::sqrt(rejected * (1 - rejected) / samples);
-        EXPECT_NEAR(total + rejected, 1, 4.5 * deviation + 2e-3) << s.text;
-        expected[count] = std::max(1 - total, 0.0);
-        double chi2 = 0, pooled_expected = 0, pooled_observed = 0;
-        int degrees = -1;
-        for (int k = 0; k <= count; ++k) {
-            const double e = expected[k] * samples;
-            if (e < 12) {
-                pooled_expected += e;
-                pooled_observed += observed[k];
-                continue;
-            }
-            chi2 += (observed[k] - e) * (observed[k] - e) / e;
-            ++degrees;
-        }
-        if (pooled_expected > 12) {
-            chi2 += (pooled_observed - pooled_expected) * (pooled_observed - pooled_expected) / pooled_expected;
-            ++degrees;
-        }
-        if (rejected < 0.9) {
-            EXPECT_GT(degrees, 3) << s.text;
-        }
-        if (degrees < 1) continue;
-        EXPECT_GT(chi2_tail(chi2, degrees), significance) << s.text << " chi2 " << chi2 << " of " << degrees;
+        expect_samples_follow_density(
+            [&](Vec3d wi) { return eval_lobe(s.lobe, s.view, wi).pdf; },
+            [&] { return sample_lobe(s.lobe, s.view, random(), random(), random()); }, 60000,
+            0.01 / (settings * scattering_cases().size()), s.text);
     }
 }
 
