@@ -1,7 +1,6 @@
 // Accel: one Embree scene per mesh, instanced into a top scene.
 #include "render/accel.h"
 
-#include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
 #include <chrono>
@@ -9,18 +8,10 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "render/accel_device.h"
+
 namespace alder {
 namespace {
-
-/// One device for the process: Embree's devices carry thread state and are meant to be few.
-RTCDevice device() {
-    static const RTCDevice d = [] {
-        RTCDevice made = rtcNewDevice(nullptr);
-        if (!made) throw std::runtime_error("Embree cannot start on this machine");
-        return made;
-    }();
-    return d;
-}
 
 struct FilterContext : RTCIntersectContext {
     const ShadowFilter* shadow = nullptr;
@@ -39,23 +30,6 @@ void occlusion_filter(const RTCFilterFunctionNArguments* args) {
     }
 }
 
-RTCRay to_embree(const Ray& ray, uint32_t mask) {
-    RTCRay r;
-    r.org_x = ray.origin.x;
-    r.org_y = ray.origin.y;
-    r.org_z = ray.origin.z;
-    r.tnear = ray.t_min;
-    r.dir_x = ray.direction.x;
-    r.dir_y = ray.direction.y;
-    r.dir_z = ray.direction.z;
-    r.time = 0;
-    r.tfar = ray.t_max;
-    r.mask = mask;
-    r.id = 0;
-    r.flags = 0;
-    return r;
-}
-
 void set_flags(RTCScene scene) {
     // Robust: watertight edges, as closed meshes must not leak light (Cycles does the same). The context filter costs nothing
     // for rays that set none, and lets a material become transparent without touching the BVH.
@@ -64,9 +38,9 @@ void set_flags(RTCScene scene) {
 }
 
 RTCScene build_mesh(const Mesh& mesh) {
-    RTCScene scene = rtcNewScene(device());
+    RTCScene scene = rtcNewScene(embree_device());
     set_flags(scene);
-    RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     // Copies: Embree reads 16 bytes at the last vertex, past the end of a packed array.
     void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
                                                    mesh.positions.size());
@@ -81,10 +55,6 @@ RTCScene build_mesh(const Mesh& mesh) {
     rtcCommitScene(scene);
     return scene;
 }
-
-/// Embree takes coordinates up to this (its FLT_LARGE, 1.8e18, with room for rounding), and some builds stop the process at
-/// others: what would exceed it is left out of the scene, or met by no ray.
-constexpr float kLargest = 1e18f;
 
 float largest_row(const Transform& t) {
     float r = 0;
@@ -111,15 +81,45 @@ float extent(RTCScene mesh, const Transform& t) {
 
 }  // namespace
 
+RTCDevice embree_device() {
+    static const RTCDevice d = [] {
+        RTCDevice made = rtcNewDevice(nullptr);
+        if (!made) throw std::runtime_error("Embree cannot start on this machine");
+        return made;
+    }();
+    return d;
+}
+
+RTCRayHit embree_ray(const Ray& ray, uint32_t mask) {
+    RTCRayHit r;
+    r.ray.org_x = ray.origin.x;
+    r.ray.org_y = ray.origin.y;
+    r.ray.org_z = ray.origin.z;
+    r.ray.tnear = ray.t_min;
+    r.ray.dir_x = ray.direction.x;
+    r.ray.dir_y = ray.direction.y;
+    r.ray.dir_z = ray.direction.z;
+    r.ray.time = 0;
+    r.ray.tfar = ray.t_max;
+    r.ray.mask = mask;
+    r.ray.id = 0;
+    r.ray.flags = 0;
+    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return r;
+}
+
+bool embree_takes(const Ray& r, float largest_origin) {
+    // Written so that NaN fails.
+    const auto within = [](Vec3f v, float limit) { return std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit; };
+    return within(r.origin, largest_origin) && within(r.direction, 2.f) && r.t_min <= r.t_max;
+}
+
 struct Accel::Impl {
     std::vector<RTCScene> meshes;
     RTCScene top = nullptr;
-    float largest_origin = kLargest;  ///< of rays that stay within Embree's range in every instance
-    bool takes(const Ray& r) const {
-        // Written so that NaN fails.
-        const auto within = [](Vec3f v, float limit) { return std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit; };
-        return within(r.origin, largest_origin) && within(r.direction, 2.f) && r.t_min <= r.t_max;
-    }
+    float largest_origin = kLargestCoordinate;  ///< of rays that stay within Embree's range in every instance
+    bool takes(const Ray& r) const { return embree_takes(r, largest_origin); }
     ~Impl() {
         if (top) rtcReleaseScene(top);
         for (RTCScene s : meshes)
@@ -137,7 +137,7 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
         if (used[i] && !meshes[i]->triangles.empty()) impl_->meshes[i] = build_mesh(*meshes[i]);
     });
 
-    impl_->top = rtcNewScene(device());
+    impl_->top = rtcNewScene(embree_device());
     set_flags(impl_->top);
     float scene_extent = 1;
     std::vector<float> extents(instances.size(), -1.f);
@@ -145,7 +145,7 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
         RTCScene mesh = impl_->meshes[instances[i].mesh];
         if (!mesh || instances[i].visibility == 0) continue;
         const float e = extent(mesh, instances[i].object_to_world);
-        if (!(e < 0.1f * kLargest) || instances[i].object_to_world.determinant() == 0) continue;
+        if (!(e < 0.1f * kLargestCoordinate) || instances[i].object_to_world.determinant() == 0) continue;
         extents[i] = e;
         scene_extent = std::max(scene_extent, e);
     }
@@ -155,9 +155,9 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
         if (extents[i] < 0) continue;
         // So small that the scene around it would overflow in its coordinates: nothing of it could be seen.
         const float inverse = largest_row(instance.object_to_world.inverse());
-        if (!(inverse * scene_extent < 0.01f * kLargest)) continue;
-        impl_->largest_origin = std::min(impl_->largest_origin, 0.1f * kLargest / std::max(inverse, 1.f));
-        RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_INSTANCE);
+        if (!(inverse * scene_extent < 0.01f * kLargestCoordinate)) continue;
+        impl_->largest_origin = std::min(impl_->largest_origin, 0.1f * kLargestCoordinate / std::max(inverse, 1.f));
+        RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, mesh);
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.object_to_world.m.data());
         rtcSetGeometryMask(geometry, instance.visibility);
@@ -166,7 +166,7 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
         rtcReleaseGeometry(geometry);
     }
     rtcCommitScene(impl_->top);
-    if (const RTCError e = rtcGetDeviceError(device()); e == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (const RTCError e = rtcGetDeviceError(embree_device()); e == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
     RTCBounds b;
     rtcGetSceneBounds(impl_->top, &b);
     if (b.lower_x <= b.upper_x) {
@@ -183,10 +183,7 @@ bool Accel::intersect(const Ray& ray, uint32_t visibility, Hit& hit) const {
     if (!impl_->takes(ray)) return false;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit r;
-    r.ray = to_embree(ray, visibility);
-    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit r = embree_ray(ray, visibility);
     rtcIntersect1(impl_->top, &context, &r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit = {r.ray.tfar, r.hit.u, r.hit.v, r.hit.instID[0], r.hit.primID};
@@ -201,7 +198,7 @@ Occlusion Accel::occluded(const Ray& ray, const ShadowFilter* filter) const {
         context.shadow = filter;
         context.filter = occlusion_filter;
     }
-    RTCRay r = to_embree(ray, kVisibleShadow);
+    RTCRay r = embree_ray(ray, kVisibleShadow).ray;
     rtcOccluded1(impl_->top, &context, &r);
     if (r.tfar < 0) return Occlusion::Blocked;
     return context.passed ? Occlusion::Filtered : Occlusion::Clear;

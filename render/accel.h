@@ -1,5 +1,5 @@
-// Accel: which surface a ray meets first, and whether anything stands between two points. A thin wrapper around Embree; no
-// other file includes its headers, and nothing here uses what Embree 4 removed (streams).
+// Accel: which surface a ray meets first, and whether anything stands between two points. A thin wrapper around Embree: only
+// accel.cpp and box_index.cpp include its headers, and nothing uses what Embree 4 removed (streams).
 //
 // Built once per set of meshes and instances, immutable afterwards, shared by scene revisions and by threads.
 #pragma once

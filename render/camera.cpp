@@ -71,9 +71,9 @@ CameraRay CameraModel::ray(float x, float y, float lens_u, float lens_v) const {
     if (orthographic_) {
         r.footprint = 0.5f * (pixel_x + pixel_y);
     } else {
-        const Vec3f here = safe_normalize(Vec3f(sx, sy, -1));
-        r.spread = 0.5f * (length(safe_normalize(Vec3f(sx + pixel_x, sy, -1)) - here) +
-                           length(safe_normalize(Vec3f(sx, sy + pixel_y, -1)) - here));
+        // Turn of the unit direction v/|v| per pixel step dv: |dv - n (n.dv)| / |v|.
+        const float l2 = sx * sx + sy * sy + 1, inverse2 = 1 / l2;
+        r.spread = 0.5f * (pixel_x * std::sqrt((l2 - sx * sx) * inverse2) + pixel_y * std::sqrt((l2 - sy * sy) * inverse2)) * std::sqrt(inverse2);
         r.footprint = r.spread * near_ / along_axis;
     }
     return r;

@@ -1,4 +1,4 @@
-// Pixel filter: inverse cumulative tables of Blender's filters.
+// Pixel filter: cumulative tables of Blender's filters.
 #include "render/filter.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace alder {
 namespace {
-constexpr int kCdfSteps = 8192, kTableSize = 1025;
+constexpr int kSteps = 1024;
 constexpr double kPi = 3.14159265358979323846;
 
 /// Blender's filter curves; `width` is the setting, the support is a multiple of it.
@@ -24,30 +24,23 @@ double curve(RenderSettings::Filter kind, double x, double support) {
 PixelFilter::PixelFilter(RenderSettings::Filter kind, float width_pixels) {
     box_width_ = std::isfinite(width_pixels) ? std::clamp(width_pixels, 0.f, 64.f) : 1.f;
     if (kind == RenderSettings::Filter::Box || box_width_ == 0) return;
-    const double support = box_width_ * (kind == RenderSettings::Filter::Gaussian ? 3.0 : 2.0);
-    std::vector<double> cdf(kCdfSteps + 1, 0.0);
-    for (int i = 0; i < kCdfSteps; ++i) {
-        const double x = ((i + 0.5) / kCdfSteps - 0.5) * support;
-        cdf[i + 1] = cdf[i] + std::max(0.0, curve(kind, x, support));
+    support_ = box_width_ * (kind == RenderSettings::Filter::Gaussian ? 3.f : 2.f);
+    std::vector<double> cdf(kSteps + 1, 0.0);
+    for (int i = 0; i < kSteps; ++i) {
+        const double x = ((i + 0.5) / kSteps - 0.5) * support_;
+        cdf[i + 1] = cdf[i] + std::max(0.0, curve(kind, x, support_));
     }
-    for (double& c : cdf) c /= cdf.back();
-    inverse_cdf_.resize(kTableSize);
-    size_t k = 0;
-    for (int i = 0; i < kTableSize; ++i) {
-        const double target = double(i) / (kTableSize - 1);
-        while (k + 1 < cdf.size() - 1 && cdf[k + 1] < target) ++k;
-        const double step = cdf[k + 1] - cdf[k];
-        const double f = step > 0 ? std::clamp((target - cdf[k]) / step, 0.0, 1.0) : 0.5;
-        inverse_cdf_[i] = static_cast<float>(((k + f) / kCdfSteps - 0.5) * support);
-    }
+    for (const double c : cdf) cdf_.push_back(static_cast<float>(c / cdf.back()));
 }
 
+// Searched, not tabulated the other way round: a table over u would smear the tails, where a step of u spans half the support.
 float PixelFilter::offset(float u) const {
-    if (inverse_cdf_.empty()) return box_width_ * (u - 0.5f);
-    const float x = u * (kTableSize - 1);
-    const int i = std::min(static_cast<int>(x), kTableSize - 2);
-    const float f = x - static_cast<float>(i);
-    return inverse_cdf_[i] + f * (inverse_cdf_[i + 1] - inverse_cdf_[i]);
+    if (cdf_.empty()) return box_width_ * (u - 0.5f);
+    const auto it = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, u);
+    const size_t i = static_cast<size_t>(it - cdf_.begin()) - 1;
+    const float step = cdf_[i + 1] - cdf_[i];
+    const float inside = step > 0 ? std::clamp((u - cdf_[i]) / step, 0.f, 1.f) : 0.5f;
+    return ((static_cast<float>(i) + inside) / kSteps - 0.5f) * support_;
 }
 
 }  // namespace alder

@@ -14,8 +14,8 @@ class PixelFilter {
     float offset(float u) const;
 
   private:
-    std::vector<float> inverse_cdf_;  ///< empty: box
-    float box_width_ = 1;
+    std::vector<float> cdf_;  ///< empty: box
+    float box_width_ = 1, support_ = 1;
 };
 
 }  // namespace alder

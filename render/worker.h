@@ -159,7 +159,7 @@ class Worker {
     std::vector<ShadowRay> shadows_;
     std::vector<PendingEmission> pending_;
     std::vector<FoundLight> found_;
-    std::vector<uint32_t> order_, order_by_program_, alive_, filtered_;
+    std::vector<uint32_t> order_, order_by_program_, alive_, filtered_, lamps_;
     std::vector<Vec3f> emission_;
     std::vector<RayHistory> shadow_history_;
     std::vector<Hit> shadow_hits_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "render/light/rectangle.h"
 #include "render/sampling.h"
@@ -87,15 +88,49 @@ bool Lamp::is_black() const {
     return alder::is_black(radiance_) || (light_.kind == LightKind::Area && area_ == 0) || !is_finite(co_) || !is_finite(dir_);
 }
 
-float Lamp::power(float scene_radius) const {
+EmitterBounds Lamp::bounds(float scene_radius) const {
     const float l = luminance({std::abs(radiance_.x), std::abs(radiance_.y), std::abs(radiance_.z)});
+    EmitterBounds b;
+    b.center = co_;
+    b.axis = dir_;
     switch (light_.kind) {
-        case LightKind::Point: return l * (is_delta_ ? 4 * kPi : 4 * kPi * kPi * sqr(radius_));
-        case LightKind::Spot: return l * (is_delta_ ? 4 * kPi : 4 * kPi * kPi * sqr(radius_)) * std::max(0.5f * (1 - cos_half_spot_), 1e-4f);
-        case LightKind::Sun: return l * (is_delta_ ? 1 : 2 * kPi * one_minus_cos_) * kPi * sqr(scene_radius);
-        case LightKind::Area: return l * kPi * area_;
+        case LightKind::Point:
+        case LightKind::Spot:
+            b.radius = radius_;
+            b.intensity = l * (is_delta_ ? 1 : kPi * sqr(radius_));
+            b.power = 4 * kPi * b.intensity;
+            if (light_.kind == LightKind::Spot) {
+                b.power *= std::max(0.5f * (1 - cos_half_spot_), 1e-4f);
+                // The cone is widened where the lamp is scaled unevenly across its axis.
+                const Transform& t = light_.to_world;
+                const float across = std::max(length(column(t, 0)), length(column(t, 1))), along = length(column(t, 2));
+                const float tangent = safe_sqrt(1 - sqr(cos_half_spot_)) / std::max(cos_half_spot_, 1e-6f) * across / std::max(along, 1e-20f);
+                if (cos_half_spot_ > 0.01f) b.cos_spread = 1 / std::sqrt(1 + sqr(tangent)) - 1e-3f;
+            }
+            break;
+        case LightKind::Sun:
+            b.distant = true;
+            b.irradiance = l * (is_delta_ ? 1 : 2 * kPi * one_minus_cos_);
+            b.power = b.irradiance * kPi * sqr(scene_radius);
+            break;
+        case LightKind::Area:
+            b.radius = 0.5f * (ellipse_ ? std::max(len_u_, len_v_) : std::sqrt(sqr(len_u_) + sqr(len_v_)));
+            b.intensity = l * area_ * (has_spread_ ? normalize_spread_ * tan_half_spread_ : 1.f);
+            b.power = l * kPi * area_;
+            b.cos_spread = (has_spread_ ? std::cos(std::atan(tan_half_spread_)) : 0.f) - 1e-3f;
+            b.lambertian = true;
+            break;
     }
-    return 0;
+    return b;
+}
+
+std::array<Vec3f, 2> Lamp::box() const {
+    Vec3f half(radius_);
+    if (light_.kind == LightKind::Area)
+        for (int c = 0; c < 3; ++c) half[c] = 0.5f * (std::abs(axis_u_[c]) * len_u_ + std::abs(axis_v_[c]) * len_v_);
+    // Widened by rounding: the box must not lose what the exact test finds.
+    half += Vec3f(1e-6f * (max_abs(half) + max_abs(co_)));
+    return {co_ - half, co_ + half};
 }
 
 float Lamp::spot_attenuation(Vec3f from_lamp) const {
@@ -206,12 +241,14 @@ bool Lamp::sample_area(Vec3f p, float u1, float u2, LampSample& s) const {
         const Disk d = uniform_disk(u1, u2);
         q = r.center + axis_u_ * (0.5f * r.len_u * d.x) + axis_v_ * (0.5f * r.len_v * d.y);
     } else {
-        const SphericalRectangle rectangle(r.center, axis_u_, axis_v_, r.len_u, r.len_v, p);
-        if (rectangle.is_small()) {
+        const bool far = SphericalRectangle::is_far(r.center, r.len_u, r.len_v, p);
+        std::optional<SphericalRectangle> rectangle;
+        if (!far) rectangle.emplace(r.center, axis_u_, axis_v_, r.len_u, r.len_v, p);
+        if (far || rectangle->is_small()) {
             q = r.center + axis_u_ * (r.len_u * (u1 - 0.5f)) + axis_v_ * (r.len_v * (u2 - 0.5f));
         } else {
-            q = rectangle.sample(u1, u2);
-            pdf = 1 / rectangle.solid_angle();
+            q = rectangle->sample(u1, u2);
+            pdf = 1 / rectangle->solid_angle();
         }
     }
     if (ellipse_ && !r.ellipse) {  // a clipped ellipse is sampled by its bounding rectangle
@@ -249,7 +286,7 @@ bool Lamp::intersect_area(Vec3f p, Vec3f direction, float t_min, float t_max, La
     s.pdf = 0;
     Region r;
     if (area_region(p, r)) {
-        if (!r.ellipse) {
+        if (!r.ellipse && !SphericalRectangle::is_far(r.center, r.len_u, r.len_v, p)) {
             const SphericalRectangle rectangle(r.center, axis_u_, axis_v_, r.len_u, r.len_v, p);
             if (!rectangle.is_small()) s.pdf = 1 / rectangle.solid_angle();
         }

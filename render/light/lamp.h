@@ -6,6 +6,9 @@
 //   sun           S watt/m^2: irradiance S on a plane that faces it
 // Without `normalize` S / pi is the radiance (area, spheres) whatever the size.
 #pragma once
+#include <array>
+
+#include "render/light/selector.h"
 #include "render/scene.h"
 
 namespace alder {
@@ -30,11 +33,13 @@ class Lamp {
     /// direction, radiance. False: it does not, or the lamp has no size. t in (t_min, t_max).
     bool intersect(Vec3f p, Vec3f direction, float t_min, float t_max, LampSample& s) const;
 
+    /// Box of the surface that a ray can meet; of suns none.
+    std::array<Vec3f, 2> box() const;
     bool is_delta() const { return is_delta_; }
     /// Radiates nothing whatever the graph says.
     bool is_black() const;
-    /// Total power, of a sun what it sends through a disk of the scene's radius.
-    float power(float scene_radius) const;
+    /// For the choice among lights; a sun's power is what it sends through a disk of the scene's radius.
+    EmitterBounds bounds(float scene_radius) const;
     const Light& light() const { return light_; }
 
   private:

@@ -10,33 +10,6 @@
 #include "render/sampling.h"
 
 namespace alder {
-namespace {
-
-/// Index i with cdf[i] <= u < cdf[i+1]; u becomes the place within, again uniform.
-size_t pick(const std::vector<float>& cdf, float& u) {
-    const auto it = std::upper_bound(cdf.begin() + 1, cdf.end() - 1, u);
-    const size_t i = static_cast<size_t>(it - cdf.begin()) - 1;
-    const float step = cdf[i + 1] - cdf[i];
-    u = step > 0 ? std::clamp((u - cdf[i]) / step, 0.f, 0.99999994f) : 0.f;
-    return i;
-}
-
-/// Cumulative table of non-negative weights, ending in exactly 1; empty where all are zero.
-std::vector<float> cumulative(const std::vector<double>& weights) {
-    double total = 0;
-    for (double w : weights) total += w;
-    if (!(total > 0) || !std::isfinite(total)) return {};
-    std::vector<float> cdf{0.f};
-    double sum = 0;
-    for (double w : weights) {
-        sum += w;
-        cdf.push_back(static_cast<float>(sum / total));
-    }
-    cdf.back() = 1;
-    return cdf;
-}
-
-}  // namespace
 
 LightTable::LightTable(const Surfaces& surfaces, std::span<const std::shared_ptr<const MaterialPrograms>> materials,
                        std::span<const Light> lights, std::span<const std::shared_ptr<const SceneProgram>> light_programs,
@@ -44,31 +17,41 @@ LightTable::LightTable(const Surfaces& surfaces, std::span<const std::shared_ptr
     : surfaces_(&surfaces), lamp_programs_(light_programs.begin(), light_programs.end()), world_(std::move(world)) {
     const Vec3f extent = surfaces.accel().bounds_max() - surfaces.accel().bounds_min();
     scene_radius_ = std::clamp(0.5f * length(extent), 1e-6f, 1e15f);
+    lamp_emitter_.assign(lights.size(), kNotSampled);
     for (uint32_t i = 0; i < lights.size(); ++i) {
         lamps_.emplace_back(lights[i]);
         const Lamp& lamp = lamps_.back();
-        if (!lamp.is_black()) emitters_.push_back({Kind::Lamp, i, lamp.power(scene_radius_)});
+        if (lamp.is_black()) continue;
+        lamp_emitter_[i] = static_cast<uint32_t>(emitters_.size());
+        add(Kind::Lamp, i, lamp.bounds(scene_radius_));
+        if (!lamp.is_delta()) visible_.push_back(i);
     }
-    if (world_->map.is_usable())
-        emitters_.push_back({Kind::World, 0, double(world_->map.total()) * kPi * sqr(scene_radius_)});
+    std::vector<BoxIndex::Box> boxes;
+    for (const uint32_t i : visible_) {
+        const bool sun = lights[i].kind == LightKind::Sun;
+        (sun ? visible_suns_ : visible_local_).push_back(i);
+        if (!sun) boxes.push_back(lamps_[i].box());
+    }
+    // A box query costs about as much as testing a dozen lamps.
+    if (boxes.size() > 12) visible_boxes_.emplace(std::move(boxes));
+    if (world_->map.is_usable()) {
+        world_emitter_ = static_cast<uint32_t>(emitters_.size());
+        EmitterBounds b;
+        b.distant = true;
+        // Between that of an even sky, total/4, and of one small sun, total.
+        b.irradiance = 0.5f * world_->map.total();
+        b.power = world_->map.total() * kPi * sqr(scene_radius_);
+        add(Kind::World, 0, b);
+    }
     area_density_.resize(surfaces.instances().size());
     add_meshes(camera, context, materials);
+    selector_ = LightSelector(std::move(bounds_));
+    if (selector_.empty()) emitters_.clear();
+}
 
-    std::vector<double> powers;
-    for (Emitter& e : emitters_) powers.push_back(std::isfinite(e.power) ? std::clamp(e.power, 0.0, 1e30) : 0.0);
-    cdf_ = cumulative(powers);
-    if (cdf_.empty()) emitters_.clear();
-    for (size_t i = 0; i < emitters_.size(); ++i) {
-        const Emitter& e = emitters_[i];
-        const float probability = cdf_[i + 1] - cdf_[i];
-        if (e.kind == Kind::World) world_probability_ = probability;
-        if (e.kind == Kind::Lamp && !lamps_[e.index].is_delta()) visible_.push_back({e.index, probability});
-        if (e.kind == Kind::Mesh) {
-            MeshEmitter& m = meshes_[e.index];
-            m.probability = probability;
-            for (uint32_t t : m.triangles) area_density_[m.instance][t] *= probability;
-        }
-    }
+void LightTable::add(Kind kind, size_t index, const EmitterBounds& bounds) {
+    emitters_.push_back({kind, static_cast<uint32_t>(index)});
+    bounds_.push_back(bounds);
 }
 
 void LightTable::add_meshes(const CameraModel& camera, const EvalContext& context,
@@ -83,7 +66,7 @@ void LightTable::add_meshes(const CameraModel& camera, const EvalContext& contex
         for (uint32_t material : used) {
             const MaterialPrograms* const m = materials[material].get();
             if (!m->emission || instance.visibility == 0) continue;
-            MeshEmitter e{i, m, {}, {}, 0};
+            MeshEmitter e{i, m, {}, {}};
             std::vector<float> areas;
             std::vector<ShadingPoint> centers;
             for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -120,17 +103,35 @@ void LightTable::add_mesh_emitter(MeshEmitter e, const std::vector<float>& areas
         const double b = std::isfinite(brightness[k]) ? std::max(brightness[k], 0.f) : 0.f;
         weights[k] = areas[k] * (0.9 * b + 0.1 * power / area);
     }
-    e.cdf = cumulative(weights);
+    e.cdf = cumulative_table(weights);
     if (e.cdf.empty()) return;
     auto& density = area_density_[e.instance];
-    density.resize(surfaces_->mesh_of(e.instance).triangles.size(), 0.f);
-    for (size_t k = 0; k < areas.size(); ++k) density[e.triangles[k]] = (e.cdf[k + 1] - e.cdf[k]) / areas[k];
-    emitters_.push_back({Kind::Mesh, static_cast<uint32_t>(meshes_.size()), 2 * double(kPi) * power});
+    density.resize(surfaces_->mesh_of(e.instance).triangles.size());
+    const uint32_t emitter = static_cast<uint32_t>(emitters_.size());
+    for (size_t k = 0; k < areas.size(); ++k) density[e.triangles[k]] = {emitter, (e.cdf[k + 1] - e.cdf[k]) / areas[k]};
+    add(Kind::Mesh, meshes_.size(), bounds_of(e, power));
     meshes_.push_back(std::move(e));
 }
 
+EmitterBounds LightTable::bounds_of(const MeshEmitter& e, double power) const {
+    Vec3f lo(1e30f), hi(-1e30f);
+    for (const uint32_t t : e.triangles)
+        for (const Vec3f p : surfaces_->world_triangle(e.instance, t))
+            for (int c = 0; c < 3; ++c) {
+                lo[c] = std::min(lo[c], p[c]);
+                hi[c] = std::max(hi[c], p[c]);
+            }
+    EmitterBounds b;
+    b.center = (lo + hi) * 0.5f;
+    b.radius = 0.5f * length(hi - lo);
+    // Radiance x area; seen from somewhere a closed shape shows a quarter of its surface, a flat one up to all of it.
+    b.intensity = static_cast<float>(0.5 * power);
+    b.power = static_cast<float>(2 * double(kPi) * power);
+    return b;
+}
+
 bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, LightSample& s) const {
-    const uint32_t triangle = e.triangles[pick(e.cdf, u_pick)];
+    const uint32_t triangle = e.triangles[pick_from_table(e.cdf, u_pick)];
     const auto corners = surfaces_->world_triangle(e.instance, triangle);
     const SphericalTriangle spherical(corners, p);
     float b1 = u1, b2 = u2;
@@ -161,28 +162,44 @@ bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float 
 }
 
 float LightTable::mesh_pdf(Vec3f origin, const ShadingPoint& hit) const {
-    const auto& density = area_density_[hit.instance];
-    if (density.empty() || density[hit.triangle] == 0) return 0;
+    const auto& densities = area_density_[hit.instance];
+    if (densities.empty()) return 0;
+    const TriangleDensity& t = densities[hit.triangle];
+    if (t.emitter == kNotSampled) return 0;
+    const float density = t.density * selector_.probability(origin, t.emitter);
     const auto corners = surfaces_->world_triangle(hit.instance, hit.triangle);
     if (const SphericalTriangle spherical(corners, origin); spherical.is_usable()) {
         const float area = 0.5f * length(cross(corners[1] - corners[0], corners[2] - corners[0]));
-        return density[hit.triangle] * area / spherical.solid_angle();
+        return density * area / spherical.solid_angle();
     }
     const Vec3f d = hit.p - origin;
     const float d2 = dot(d, d), cos_light = std::abs(dot(hit.ng, d)) / std::sqrt(d2);
-    return cos_light > 0 ? density[hit.triangle] * d2 / cos_light : 0.f;
+    return cos_light > 0 ? density * d2 / cos_light : 0.f;
 }
 
-float LightTable::world_pdf(Vec3f direction) const {
-    return world_probability_ > 0 ? world_probability_ * world_->map.pdf(direction) : 0.f;
+float LightTable::world_pdf(Vec3f origin, Vec3f direction) const {
+    if (world_emitter_ == kNotSampled) return 0;
+    return selector_.probability(origin, world_emitter_) * world_->map.pdf(direction);
+}
+
+float LightTable::lamp_pdf(Vec3f origin, uint32_t lamp, float own_pdf) const {
+    if (lamp_emitter_[lamp] == kNotSampled) return 0;
+    return selector_.probability(origin, lamp_emitter_[lamp]) * own_pdf;
+}
+
+std::span<const uint32_t> LightTable::lamps_along(const Ray& ray, std::vector<uint32_t>& found) const {
+    if (!visible_boxes_) return visible_;
+    visible_boxes_->query(ray, found);
+    for (uint32_t& i : found) i = visible_local_[i];
+    if (!std::isfinite(ray.t_max)) found.insert(found.end(), visible_suns_.begin(), visible_suns_.end());
+    return found;
 }
 
 bool LightTable::sample(Vec3f p, float u_pick, float u1, float u2, LightSample& s) const {
-    if (emitters_.empty()) return false;
-    const size_t k = pick(cdf_, u_pick);
+    float probability = 0;
+    const int k = emitters_.empty() ? -1 : selector_.pick(p, u_pick, probability);
+    if (k < 0) return false;
     const Emitter& e = emitters_[k];
-    const float probability = cdf_[k + 1] - cdf_[k];
-    if (!(probability > 0)) return false;
     s.program = nullptr;
     s.cast_shadow = true;
     s.is_delta = false;

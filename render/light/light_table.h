@@ -1,15 +1,17 @@
 // LightTable: every emitter of a scene and the choice among them: lamps, the world, and mesh triangles that emit.
 //
-// Selection is by power for now; callers see only "choose for this point" and "the probability of that choice for this point",
-// which is what a light tree answers too. Immutable, thread safe.
+// The choice among emitters is LightSelector's. Immutable, thread safe.
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "render/box_index.h"
 #include "render/geometry/surface.h"
 #include "render/light/environment.h"
 #include "render/light/lamp.h"
+#include "render/light/selector.h"
 #include "render/programs.h"
 
 namespace alder {
@@ -52,14 +54,13 @@ class LightTable {
 
     /// Density with which sample(origin) would have chosen the direction to this point of a mesh; 0 where it emits nothing.
     float mesh_pdf(Vec3f origin, const ShadingPoint& hit) const;
-    float world_pdf(Vec3f direction) const;
+    float world_pdf(Vec3f origin, Vec3f direction) const;
+    /// The same from the density of a lamp's own sampling.
+    float lamp_pdf(Vec3f origin, uint32_t lamp, float own_pdf) const;
 
-    /// Lamps that a ray can meet. `pdf` of a sample is to be multiplied by `probability`.
-    struct VisibleLamp {
-        uint32_t lamp;
-        float probability;
-    };
-    std::span<const VisibleLamp> visible_lamps() const { return visible_; }
+    bool has_visible_lamps() const { return !visible_.empty(); }
+    /// Lamps that the ray may meet, ascending; `found` is memory for them.
+    std::span<const uint32_t> lamps_along(const Ray& ray, std::vector<uint32_t>& found) const;
     const Lamp& lamp(uint32_t i) const { return lamps_[i]; }
     const SceneProgram* lamp_program(uint32_t i) const { return lamp_programs_[i].get(); }
     const WorldLight& world() const { return *world_; }
@@ -70,18 +71,19 @@ class LightTable {
     struct Emitter {
         Kind kind;
         uint32_t index;
-        double power;
     };
+    static constexpr uint32_t kNotSampled = ~uint32_t{0};
     /// The triangles of one instance that have one emitting material.
     struct MeshEmitter {
         uint32_t instance;
         const MaterialPrograms* material;
         std::vector<uint32_t> triangles;
         std::vector<float> cdf;  ///< triangles + 1
-        float probability = 0;   ///< of the emitter
     };
+    void add(Kind kind, size_t index, const EmitterBounds& bounds);
     void add_meshes(const CameraModel& camera, const EvalContext& context, std::span<const std::shared_ptr<const MaterialPrograms>> materials);
     void add_mesh_emitter(MeshEmitter e, const std::vector<float>& areas, const std::vector<float>& brightness);
+    EmitterBounds bounds_of(const MeshEmitter& e, double power) const;
     bool sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, LightSample& s) const;
 
     const Surfaces* surfaces_;
@@ -90,12 +92,20 @@ class LightTable {
     std::shared_ptr<const WorldLight> world_;
     std::vector<MeshEmitter> meshes_;
     std::vector<Emitter> emitters_;
-    std::vector<float> cdf_;  ///< emitters + 1
-    std::vector<VisibleLamp> visible_;
-    float world_probability_ = 0;
-    /// Per instance, where it emits: density by area of each of its triangles, choice of the emitter included.
-    std::vector<std::vector<float>> area_density_;
+    LightSelector selector_;
+    std::vector<uint32_t> visible_;         ///< lamps that a ray can meet
+    std::optional<BoxIndex> visible_boxes_; ///< of those with a place, where they are many
+    std::vector<uint32_t> visible_local_, visible_suns_;
+    std::vector<uint32_t> lamp_emitter_;  ///< by lamp: index into emitters_, or kNotSampled
+    uint32_t world_emitter_ = kNotSampled;
+    /// Of a triangle: its emitter, and the density by area once that is chosen.
+    struct TriangleDensity {
+        uint32_t emitter = kNotSampled;
+        float density = 0;
+    };
+    std::vector<std::vector<TriangleDensity>> area_density_;  ///< by instance; empty where it does not emit
     float scene_radius_ = 1;
+    std::vector<EmitterBounds> bounds_;  ///< while building
 };
 
 }  // namespace alder

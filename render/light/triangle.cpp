@@ -9,10 +9,11 @@
 namespace alder {
 
 SphericalTriangle::SphericalTriangle(const std::array<Vec3f, 3>& corners, Vec3f p) {
-    for (int k = 0; k < 3; ++k) {
-        to_[k] = corners[k] - p;
-        unit_[k] = safe_normalize(to_[k]);
-    }
+    for (int k = 0; k < 3; ++k) to_[k] = corners[k] - p;
+    // Far away cos/d^2 hardly varies over the triangle: not worth the angles.
+    const Vec3f center = (to_[0] + to_[1] + to_[2]) * (1.f / 3), e1 = to_[1] - to_[0], e2 = to_[2] - to_[0];
+    if (dot(e1, e1) + dot(e2, e2) < 0.25f * dot(center, center)) return;
+    for (int k = 0; k < 3; ++k) unit_[k] = safe_normalize(to_[k]);
     const auto& [a, b, c] = unit_;
     // Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983: no cancellation for small triangles.
     solid_angle_ = 2 * std::atan2(std::abs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a));

@@ -10,7 +10,7 @@ namespace alder {
 
 void Worker::intersect() {
     const Accel& accel = plan_->scene.surfaces->accel();
-    const bool lamps = !plan_->scene.lights->visible_lamps().empty();
+    const bool lamps = plan_->scene.lights->has_visible_lamps();
     hits_.clear();
     missed_.clear();
     next_.clear();
@@ -33,15 +33,17 @@ void Worker::intersect() {
 void Worker::meet_lamps(uint32_t index, float t_max) {
     const LightTable& lights = *plan_->scene.lights;
     const Path& path = paths_[index];
-    for (const LightTable::VisibleLamp& v : lights.visible_lamps()) {
-        const Lamp& lamp = lights.lamp(v.lamp);
+    const Ray ray{path.history.origin, path.history.direction, path.t_min, t_max};
+    for (const uint32_t v : lights.lamps_along(ray, lamps_)) {
+        const Lamp& lamp = lights.lamp(v);
         if (!(lamp.light().visibility & ray_visibility(path.history))) continue;
         LampSample s;
         if (!lamp.intersect(path.history.origin, path.history.direction, path.t_min, t_max, s)) continue;
-        const float weight = met_weight(s.pdf * v.probability, path.scatter_pdf);
+        const float light_pdf = path.scatter_pdf > 0 ? lights.lamp_pdf(path.history.origin, v, s.pdf) : 0.f;
+        const float weight = met_weight(light_pdf, path.scatter_pdf);
         const Vec3f value = path.throughput * s.radiance * weight;
         if (is_black(value)) continue;
-        if (const SceneProgram* const program = lights.lamp_program(v.lamp)) {
+        if (const SceneProgram* const program = lights.lamp_program(v)) {
             RayHistory h = path.history;
             h.kinds = 0;
             ++h.depth;
@@ -64,7 +66,7 @@ void Worker::meet_background() {
             continue;
         }
         if (world.is_black() || !(world.visibility & ray_visibility(path.history))) continue;
-        const float light_pdf = path.scatter_pdf > 0 ? lights.world_pdf(path.history.direction) : 0.f;
+        const float light_pdf = path.scatter_pdf > 0 ? lights.world_pdf(path.history.origin, path.history.direction) : 0.f;
         const float weight = met_weight(light_pdf, path.scatter_pdf);
         const Vec3f value = path.throughput * weight;
         if (!world.program) {

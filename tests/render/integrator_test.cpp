@@ -193,6 +193,34 @@ TEST(Estimators, three_strategies_have_one_mean) {
     EXPECT_LT(sd[0], std::min(sd[1], sd[2])) << "weighting both must not be noisier than the better of the two";
 }
 
+/// Many lamps: chosen by power, found by box queries instead of one by one.
+TEST(Estimators, many_lamps) {
+    SceneKit kit;
+    kit.look_at({0, 0, 8}, {0, 0, 0}, 20);
+    kit.add(floor_quad(6), kit.add_material(diffuse(0.8f, 0.8f, 0.8f)));
+    for (int i = 0; i < 49; ++i) {
+        const float x = float(i % 7) - 3, y = float(i / 7) - 3;
+        Light& l = kit.add_light(i % 2 ? LightKind::Point : LightKind::Area, 1 + 0.2f * float(i % 5), aimed({x, y, 1.5f}, {0.2f, 0.1f, -1}));
+        l.radius = 0.2f;
+        l.size_x = l.size_y = 0.5f;
+    }
+    kit.add_light(LightKind::Sun, 0.1f, aimed({0, 0, 0}, {0, 0.3f, -1})).angle = 0.5f;
+    kit.scene.settings.samples = 256;
+    RenderRequest r;
+    r.aovs = {"variance"};
+    double m[3], sd[3];
+    for (int s = 0; s < 3; ++s) {
+        kit.scene.settings.light_strategy = static_cast<RenderSettings::LightStrategy>(s);
+        r.seed = 3 + s;
+        const Image im = kit.render(r);
+        m[s] = mean(im).y;
+        sd[s] = std::sqrt(mean(im, "variance").y / 256);
+    }
+    for (int s = 1; s < 3; ++s)
+        EXPECT_LT(std::abs(m[s] - m[0]), 4 * std::sqrt(sd[s] * sd[s] + sd[0] * sd[0])) << "strategy " << s << ": " << m[s] << " against " << m[0];
+    EXPECT_LT(sd[0] / m[0], 0.01);
+}
+
 TEST(Layers, shading_layers_and_light_groups_add_up_to_the_beauty) {
     SceneKit kit = mixed_room();
     kit.scene.settings.samples = 32;

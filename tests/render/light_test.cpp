@@ -6,6 +6,7 @@
 #include "render/light/environment.h"
 #include "render/light/lamp.h"
 #include "render/light/rectangle.h"
+#include "render/light/selector.h"
 #include "render/light/triangle.h"
 #include "render/sampling.h"
 
@@ -97,6 +98,49 @@ TEST(Lamp, mean_inverse_density_is_the_solid_angle) {
         const double expected = 4 * kPi * hits / n;
         if (light.kind == LightKind::Spot) continue;  // samples outside the cone are refused
         EXPECT_NEAR(inverse / n, expected, 5 * 4 * kPi * std::sqrt(hits) / n + 1e-3 * expected) << name;
+    }
+}
+
+/// Few emitters are weighed for each point: probabilities add to one, agree with what is picked, and favour the near one.
+TEST(LightSelector, probabilities_are_those_of_the_choice) {
+    std::vector<EmitterBounds> list;
+    for (const auto& [name, light] : all_lamps()) list.push_back(Lamp(light).bounds(10));
+    const LightSelector few(list);
+    for (int i = 0; i < 5; ++i) list.insert(list.end(), list.begin(), list.begin() + 5);
+    const LightSelector many(list);
+    std::mt19937 rng(4);
+    std::uniform_real_distribution<float> u(0, 1);
+    for (const LightSelector* s : {&few, &many})
+        for (int k = 0; k < 20; ++k) {
+            const Vec3f p{4 * u(rng) - 2, 4 * u(rng) - 2, 4 * u(rng) - 1};
+            const size_t n = s == &few ? all_lamps().size() : list.size();
+            double sum = 0;
+            for (uint32_t i = 0; i < n; ++i) sum += s->probability(p, i);
+            ASSERT_NEAR(sum, 1, 1e-5);
+            for (int j = 0; j < 100; ++j) {
+                float x = u(rng), probability = 0;
+                const int e = s->pick(p, x, probability);
+                ASSERT_GE(e, 0);
+                ASSERT_EQ(probability, s->probability(p, uint32_t(e)));
+                ASSERT_TRUE(x >= 0 && x < 1);
+            }
+        }
+}
+
+/// Whatever a lamp sends to a point, the choice must not exclude: its probability is above zero wherever a sample arrives.
+TEST(LightSelector, bounds_are_conservative) {
+    std::mt19937 rng(5);
+    std::uniform_real_distribution<float> u(0, 1);
+    for (const auto& [name, light] : all_lamps()) {
+        const Lamp lamp(light);
+        const LightSelector one({lamp.bounds(10)});
+        for (int i = 0; i < 5000; ++i) {
+            const Vec3f p{6 * u(rng) - 3, 6 * u(rng) - 3, 5 * u(rng) - 1};
+            LampSample s;
+            if (lamp.sample(p, u(rng), u(rng), s)) {
+                ASSERT_GT(one.probability(p, 0), 0) << name;
+            }
+        }
     }
 }
 
