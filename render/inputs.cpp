@@ -128,6 +128,38 @@ struct Batch {
         const Vec3f g = generated(i);
         return {-(g.y - 0.5f), g.x - 0.5f, 0};
     }
+    /// Stored tangent of a UV map, interpolated: `own` of the map, or the mesh's where it is null. Zero without either.
+    Vec3f map_tangent(size_t i, const Tangents* own) const {
+        const ShadingPoint& s = points[i];
+        const auto& corners = own ? own->tangents : scene.surfaces->tables_of(s.instance).tangents().tangents;
+        if (corners.size() < 3 * (size_t{s.triangle} + 1)) return Vec3f(0.f);
+        const Vec3f* const t = corners.data() + size_t{3} * s.triangle;
+        return t[0] * (1 - s.u - s.v) + t[1] * s.u + t[2] * s.v;
+    }
+    /// Interpolated in object space, not normalised: how far it is from unit length matters to tangent-space maps.
+    Vec3f normal_object(size_t i) const {
+        if (!on_mesh(i)) return Vec3f(0.f);
+        const ShadingPoint& s = points[i];
+        const Mesh& m = mesh(i);
+        if (!m.smooth.empty() && !m.smooth[s.triangle]) return Vec3f(0.f);  // flat: the node takes N
+        const bool corners = !m.corner_normals.empty();
+        if (!corners && m.vertex_normals.empty()) return Vec3f(0.f);
+        const float weight[3] = {1 - s.u - s.v, s.u, s.v};
+        Vec3f sum(0.f);
+        for (int k = 0; k < 3; ++k)
+            sum += safe_normalize(corners ? m.corner_normals[size_t{3} * s.triangle + k] : m.vertex_normals[m.triangles[s.triangle][k]]) * weight[k];
+        return sum;
+    }
+    float edge_distance(size_t i) const {
+        if (!on_mesh(i)) return 0;
+        const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
+        float nearest = std::numeric_limits<float>::infinity();
+        for (int k = 0; k < 3; ++k) {
+            const Vec3f edge = p[(k + 1) % 3] - p[k];
+            nearest = std::min(nearest, length(cross(edge, points[i].p - p[k])) / length(edge));
+        }
+        return nearest;
+    }
     /// What Cycles' closures take where their Tangent is unlinked: around the object's Z axis, within the surface.
     Vec3f radial_tangent(size_t i) const {
         const Vec3f g = generated(i), n = points[i].n;
@@ -153,6 +185,7 @@ Vec3f Batch::vec3(Global g, size_t i) const {
         case Global::Ng: return s.ng;
         case Global::I: return s.wo;
         case Global::Po: return p_object(i);
+        case Global::NormalObject: return normal_object(i);
         case Global::Ns:
         case Global::Nu: return unturned(i, s.n);
         case Global::Ngu: return unturned(i, s.ng);
@@ -237,6 +270,7 @@ float Batch::scalar(Global g, size_t i) const {
         case Global::BarycentricU: return 1 - s.u - s.v;  // Cycles' Parametric: weights of the first and second corner
         case Global::BarycentricV: return s.u;
         case Global::PixelFootprint: return s.footprint;
+        case Global::EdgeDistance: return edge_distance(i);
         case Global::PreviousAlpha: return ray.previous_alpha;
         case Global::Time:
         default: return 0;
@@ -275,17 +309,51 @@ void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, fl
 
 }  // namespace
 
+namespace {
+
+InputPlan::Part take_suffix(std::string_view& name) {
+    constexpr std::pair<std::string_view, InputPlan::Part> kSuffixes[] = {{kExistsSuffix, InputPlan::Part::Exists},
+                                                                          {".alpha", InputPlan::Part::Alpha},
+                                                                          {".tangent", InputPlan::Part::Tangent},
+                                                                          {".tangent_sign", InputPlan::Part::TangentSign}};
+    for (const auto& [suffix, part] : kSuffixes)
+        if (name.ends_with(suffix)) {
+            name.remove_suffix(suffix.size());
+            return part;
+        }
+    return InputPlan::Part::Value;
+}
+
+/// By name; the empty name is the first colour.
+const Attribute* find_attribute(const Mesh& mesh, std::string_view name) {
+    for (const Attribute& a : mesh.attributes)
+        if (a.channels >= 1 && a.channels <= 4 && (name.empty() ? a.channels >= 3 : a.name == name)) return &a;
+    return nullptr;
+}
+
+std::shared_ptr<const Tangents> tangents_of(const Mesh& mesh, const Attribute* map) {
+    if (!map || map->domain != Domain::Corner || map->channels != 2) return nullptr;
+    std::vector<std::array<float, 2>> uv(map->values.size() / 2);
+    for (size_t i = 0; i < uv.size(); ++i) uv[i] = {map->values[2 * i], map->values[2 * i + 1]};
+    if (uv.size() < 3 * mesh.triangles.size()) return nullptr;
+    return std::make_shared<Tangents>(compute_tangents(mesh, uv));
+}
+
+}  // namespace
+
 InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
     for (const ProgramInput& in : program.inputs()) {
         Entry e{in, {}};
         if (in.is_attribute) {
             e.attribute_by_mesh.assign(surfaces.meshes().size(), nullptr);
             std::string_view name = in.attribute;
-            e.exists = name.ends_with(kExistsSuffix);
-            if (e.exists) name.remove_suffix(kExistsSuffix.size());
-            for (size_t m = 0; m < surfaces.meshes().size(); ++m)
-                for (const Attribute& a : surfaces.meshes()[m]->attributes)
-                    if (a.name == name && a.channels >= 1 && a.channels <= 4) e.attribute_by_mesh[m] = &a;
+            e.part = take_suffix(name);
+            const bool tangents = e.part == Part::Tangent || e.part == Part::TangentSign;
+            if (tangents) e.tangents_by_mesh.resize(surfaces.meshes().size());
+            for (size_t m = 0; m < surfaces.meshes().size(); ++m) {
+                e.attribute_by_mesh[m] = find_attribute(*surfaces.meshes()[m], name);
+                if (tangents) e.tangents_by_mesh[m] = tangents_of(*surfaces.meshes()[m], e.attribute_by_mesh[m]);
+            }
         }
         channels_ += in.channels;
         entries_.push_back(std::move(e));
@@ -307,19 +375,32 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
     for (const InputPlan::Entry& e : plan.entries()) {
         const int width = e.input.channels;
         const Global g = e.input.global;
-        const bool uniform = e.input.is_attribute ? e.exists && one_instance : is_constant(g) || (one_instance && is_per_instance(g));
+        const bool uniform = e.input.is_attribute ? e.part == InputPlan::Part::Exists && one_instance : is_constant(g) || (one_instance && is_per_instance(g));
         const size_t count = uniform ? 1 : n, rows = uniform ? kPadding : padded;
         float* const out = next;
         if (e.input.is_attribute) {
             for (size_t i = 0; i < count; ++i) {
                 const ShadingPoint& s = points[i];
-                const Attribute* const a =
-                    s.instance != kNothing ? e.attribute_by_mesh[scene.surfaces->instances()[s.instance].mesh] : nullptr;
-                if (e.exists) {
-                    out[i] = a ? 1.f : 0.f;
-                    continue;
-                }
+                const bool on_mesh = s.instance != kNothing;
+                const uint32_t m = on_mesh ? scene.surfaces->instances()[s.instance].mesh : 0;
+                const Attribute* const a = on_mesh ? e.attribute_by_mesh[m] : nullptr;
                 float v[4] = {};
+                switch (e.part) {
+                    case InputPlan::Part::Exists: out[i] = a ? 1.f : 0.f; continue;
+                    case InputPlan::Part::Alpha:
+                        if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
+                        out[i] = a && a->channels == 4 ? v[3] : 1.f;
+                        continue;
+                    case InputPlan::Part::Tangent: {
+                        const Vec3f t = on_mesh ? batch.map_tangent(i, e.tangents_by_mesh[m].get()) : Vec3f(0.f);
+                        for (int c = 0; c < width && c < 3; ++c) out[rows * c + i] = t[c];
+                        continue;
+                    }
+                    case InputPlan::Part::TangentSign:
+                        out[i] = !on_mesh || !e.tangents_by_mesh[m] ? batch.tangent_sign(i) : e.tangents_by_mesh[m]->signs[size_t{3} * s.triangle];
+                        continue;
+                    case InputPlan::Part::Value: break;
+                }
                 if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
                 for (int c = 0; c < width; ++c) out[rows * c + i] = a ? converted(v, a->channels, width, c) : 0.f;
             }

@@ -3,11 +3,13 @@
 // InputPlan is made once per program and scene (attribute names become pointers); InputGather belongs to one thread and owns
 // the channels' memory.
 #pragma once
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "graph/program.h"
 #include "render/camera.h"
+#include "render/geometry/mesh_build.h"
 #include "render/geometry/surface.h"
 
 namespace alder {
@@ -36,10 +38,20 @@ struct InputScene {
 class InputPlan {
   public:
     InputPlan(const Program& program, const Surfaces& surfaces);
+    /// What of an attribute is read, by the suffix of its name (nodes/input/attribute.cpp).
+    enum class Part : uint8_t {
+        Value,
+        Exists,       ///< ".exists": whether the mesh has it
+        Alpha,        ///< ".alpha": fourth component, else 1
+        Tangent,      ///< ".tangent" of a UV map: as stored, object space
+        TangentSign,  ///< ".tangent_sign"
+    };
     struct Entry {
         ProgramInput input;
         std::vector<const Attribute*> attribute_by_mesh;
-        bool exists = false;   ///< what is read is whether the mesh has the attribute
+        Part part = Part::Value;
+        /// Tangents of UV maps that are not the active one; null: the mesh's own tangents serve.
+        std::vector<std::shared_ptr<const Tangents>> tangents_by_mesh;
     };
     const std::vector<Entry>& entries() const { return entries_; }
     int channels() const { return channels_; }
