@@ -159,6 +159,80 @@ HWY_NOINLINE void set_far_axes(const Coord<D, F>& p, LatticeAxis<F>* a) {
     }
 }
 
+/// Whether all lanes lie in one cell.
+template <int D, class F>
+HWY_INLINE bool in_one_cell(const LatticeAxis<F> (&a)[D]) {
+    // x first: it alone tells most of the time.
+    if (!all(a[0].cell == first_lane(a[0].cell))) return false;
+    Int<F> difference = a[1].cell ^ first_lane(a[1].cell);
+    ALDER_UNROLL
+    for (int i = 2; i < D; ++i) difference = difference | (a[i].cell ^ first_lane(a[i].cell));
+    return all(difference == Int<F>(0));
+}
+/// The gradients of a cell's 2^D corners, corner number = bit per axis, each component an array.
+template <int D, class F>
+struct CornerGradients {
+    static constexpr int kCorners = 1 << D;
+    alignas(64) float component[D][kMostLanes<F>];
+    /// One hash over lanes serves all corners.
+    HWY_INLINE explicit CornerGradients(const LatticeAxis<F> (&a)[D]) {
+        alignas(64) static constexpr int32_t kBit[4][16] = {{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1},
+                                                            {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1},
+                                                            {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1},
+                                                            {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1}};
+        Int<F> c[D];
+        ALDER_UNROLL
+        for (int i = 0; i < D; ++i) c[i] = first_lane(a[i].cell) + load_ints<F>(kBit[i]);
+        if constexpr (D == 2) {
+            const Int<F> h = hash_low24(c[0], c[1]);
+            const F one = bits_to_float<F>(shl<31>(h) | Int<F>(0x3f800000)), two = bits_to_float<F>((shl<30>(h) & Int<F>(INT32_MIN)) | Int<F>(0x40000000));
+            const Mask<F> first = (h & Int<F>(4)) == Int<F>(0);
+            store_floats(select(first, one, two), component[0]);
+            store_floats(select(first, two, one), component[1]);
+        } else if constexpr (D == 3) {
+            const Int<F> h = hash_low24(c[0], c[1], c[2]);
+            store_floats(lookup<F>(kGradient3X, h), component[0]);
+            store_floats(lookup<F>(kGradient3Y, h), component[1]);
+            store_floats(lookup<F>(kGradient3Z, h), component[2]);
+        } else {
+            const Int<F> h = hash_low24(c[0], c[1], c[2], c[3]);
+            store_floats(lookup<F>(kGradient4X, h), component[0]);
+            store_floats(lookup<F>(kGradient4Y, h), component[1]);
+            store_floats(lookup<F>(kGradient4Z, h), component[2]);
+            store_floats(lookup<F>(kGradient4W, h), component[3]);
+        }
+    }
+    /// gradient · (place - corner), summed in the order of perlin().
+    HWY_INLINE F dot(const LatticeAxis<F> (&a)[D], int corner) const {
+        F s = F(component[0][corner]) * (corner & 1 ? a[0].f1() : a[0].f);
+        ALDER_UNROLL
+        for (int i = 1; i < D; ++i) s = mad(F(component[i][corner]), corner >> i & 1 ? a[i].f1() : a[i].f, s);
+        return s;
+    }
+};
+/// perlin() where all lanes lie in one cell, as neighbouring points do at low frequencies: two to four times as fast, the same bits.
+template <int D, class F>
+HWY_INLINE F perlin_in_one_cell(const LatticeAxis<F> (&a)[D]) {
+    const CornerGradients<D, F> g(a);
+    if constexpr (D == 2) {
+        const F low = perlin_lerp(g.dot(a, 0), g.dot(a, 1), a[0].fade), high = perlin_lerp(g.dot(a, 2), g.dot(a, 3), a[0].fade);
+        return F(0.6616) * perlin_lerp(low, high, a[1].fade);
+    } else {
+        F row[4];
+        ALDER_UNROLL
+        for (int j = 0; j < 4; ++j) {
+            if constexpr (D == 3) {
+                row[j] = perlin_lerp(g.dot(a, 2 * j), g.dot(a, 2 * j + 1), a[0].fade);
+            } else {
+                row[j] = perlin_lerp(perlin_lerp(g.dot(a, 2 * j), g.dot(a, 2 * j + 8), a[3].fade),
+                                     perlin_lerp(g.dot(a, 2 * j + 1), g.dot(a, 2 * j + 9), a[3].fade), a[0].fade);
+            }
+        }
+        return F(0.5f * (D == 3 ? 0.982f : 0.8344f)) *
+               perlin_lerp(perlin_lerp(row[0], row[1], a[1].fade), perlin_lerp(row[2], row[3], a[1].fade), a[2].fade);
+    }
+}
+
 /// Signed noise of a point. `reach` is at least the largest |coordinate|, or NaN where one is.
 template <int D, class F>
 HWY_INLINE F signed_noise(const Coord<D, F>& p, F reach) {
@@ -169,6 +243,9 @@ HWY_INLINE F signed_noise(const Coord<D, F>& p, F reach) {
             const F below = floor(p.c[i]);
             a[i].cell = small_floor_to_int(below);
             a[i].set_fraction(p.c[i] - below);
+        }
+        if constexpr (D > 1 && kMostLanes<F> >= (1 << D)) {
+            if (in_one_cell(a)) return perlin_in_one_cell(a);
         }
     } else {
         set_far_axes(p, a);

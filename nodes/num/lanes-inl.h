@@ -393,6 +393,11 @@ HWY_INLINE Int<F> load_ints(const int32_t* from) {
     else return *from;
 }
 template <class F>
+HWY_INLINE void store_floats(F x, float* to) {
+    if constexpr (std::is_same_v<F, VF>) hn::Store(x.v, TagF(), to);
+    else *to = static_cast<float>(x);
+}
+template <class F>
 HWY_INLINE F load_floats(const float* from) {
     if constexpr (std::is_same_v<F, VF>) return VF(hn::Load(TagF(), from));
     else return static_cast<F>(*from);
@@ -403,6 +408,10 @@ HWY_INLINE void load_floats_by_four(const float* from, F (&out)[4]) {
     if constexpr (std::is_same_v<F, VF>) hn::LoadInterleaved4(TagF(), from, out[0].v, out[1].v, out[2].v, out[3].v);
     else for (int i = 0; i < 4; ++i) out[i] = static_cast<F>(from[i]);
 }
+
+/// The first lane's value in all lanes.
+HWY_INLINE VI first_lane(VI a) { return VI(hn::GetLane(a.v)); }
+HWY_INLINE int32_t first_lane(int32_t a) { return a; }
 
 // ---- small named helpers --------------------------------------------------------------------------------------------
 template <class F>
