@@ -13,60 +13,68 @@ namespace alder::HWY_NAMESPACE {
 // Channels of ShaderNodeMix: Factor_Float 0, Factor_Vector 1, A_Float 4, B_Float 5, A_Vector 6, B_Vector 9, A_Color 12, B_Color 15.
 // An input that the factor switches off may not have been evaluated and hold anything: it is replaced before it is used.
 
-template <bool clamped, class F>
-HWY_INLINE F mix_factor(F t) { return clamped ? cycles_saturate(t) : t; }
+// Clamping is asked of the statics in the loop and not made a template parameter: 19 modes times four variants are slow to compile
+// and the branch costs nothing measurable.
+
+template <class F>
+HWY_INLINE F mix_factor(F t, bool clamped) { return clamped ? cycles_saturate(t) : t; }
 
 /// Numbers and vectors: a (1 - t) + b t.
-template <bool clamped, class F>
-HWY_INLINE F mix_number(F a, F b, F t) {
+template <class F>
+HWY_INLINE F mix_number(F a, F b, F t, bool clamped) {
     const F layer = select(t == F(0), a, b);
     const F base = clamped ? select(t >= F(1), b, a) : a;
     return base * (F(1) - t) + layer * t;
 }
-template <class Op, bool clamped, class F>
-HWY_INLINE Vec3<F> mix_color(Vec3<F> a, Vec3<F> b, F t) {
+template <class Op, class F>
+HWY_INLINE Vec3<F> mix_color(Vec3<F> a, Vec3<F> b, F t, bool clamped) {
     const Vec3<F> layer = select<F>(t == F(0), a, b);
-    if constexpr (clamped && std::is_same_v<Op, BlendMix>) return Op::mix(select<F>(t >= F(1), b, a), layer, t);
+    if constexpr (std::is_same_v<Op, BlendMix>)
+        if (clamped) return Op::mix(select<F>(t >= F(1), b, a), layer, t);
     return Op::mix(a, layer, t);
 }
 
-template <bool clamped>
+enum MixParam { kDataType = 10, kFactorMode, kBlendType, kClampFactor, kClampResult };
+
 struct MixFloat {
     template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, mix_number<clamped>(k.f(4), k.f(5), mix_factor<clamped>(k.f(0)))); }
+    static HWY_INLINE void run(Lanes<F> k) {
+        const bool clamped = k.statics().e(kClampFactor) != 0;
+        k.set(0, mix_number(k.f(4), k.f(5), mix_factor(k.f(0), clamped), clamped));
+    }
 };
-template <bool clamped>
 struct MixVector {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
-        const F t = mix_factor<clamped>(k.f(0));
-        for (int i = 0; i < 3; ++i) k.set(1 + i, mix_number<clamped>(k.f(6 + i), k.f(9 + i), t));
+        const bool clamped = k.statics().e(kClampFactor) != 0;
+        const F t = mix_factor(k.f(0), clamped);
+        for (int i = 0; i < 3; ++i) k.set(1 + i, mix_number(k.f(6 + i), k.f(9 + i), t, clamped));
     }
 };
-template <bool clamped>
 struct MixVectorNonUniform {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
         for (int i = 0; i < 3; ++i) {
-            const F t = mix_factor<clamped>(k.f(1 + i));
+            const F t = mix_factor(k.f(1 + i), k.statics().e(kClampFactor) != 0);
             k.set(1 + i, k.f(6 + i) * (F(1) - t) + k.f(9 + i) * t);
         }
     }
 };
-template <class Op, bool clamped, bool clamp_result>
+template <class Op>
 struct MixColor {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
-        const Vec3<F> c = mix_color<Op, clamped>(k.v(12), k.v(15), mix_factor<clamped>(k.f(0)));
-        k.set(4, clamp_result ? cycles_saturate(c) : c);
+        const bool clamped = k.statics().e(kClampFactor) != 0;
+        const Vec3<F> c = mix_color<Op>(k.v(12), k.v(15), mix_factor(k.f(0), clamped), clamped);
+        k.set(4, k.statics().e(kClampResult) ? cycles_saturate(c) : c);
     }
 };
-template <class Op, bool clamp_result>
+template <class Op>
 struct MixRgb {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
-        const Vec3<F> c = mix_color<Op, true>(k.v(1), k.v(4), cycles_saturate(k.f(0)));
-        k.set(0, clamp_result ? cycles_saturate(c) : c);
+        const Vec3<F> c = mix_color<Op>(k.v(1), k.v(4), cycles_saturate(k.f(0)), true);
+        k.set(0, k.statics().e(4) ? cycles_saturate(c) : c);
     }
 };
 template <int first, int count>
@@ -77,53 +85,41 @@ struct Zero {
     }
 };
 
-enum MixParam { kDataType = 10, kFactorMode, kBlendType, kClampFactor, kClampResult };
-
-template <class F, bool clamped, bool clamp_result>
-HWY_INLINE void mix_color_dispatch(const Call<F>& c) {
+template <class F>
+void mix_color_dispatch(const Call<F>& c) {
     int index = 0;
     const int mode = c.statics().e(kBlendType);
 #define X(ID, label, cycles, Op) \
-    if (mode == index++) return c.template each<MixColor<Op, clamped, clamp_result>>();
+    if (mode == index++) return c.template each<MixColor<Op>>();
     ALDER_BLEND_MODES(X)
 #undef X
-}
-template <class F, bool clamped>
-HWY_INLINE void mix_dispatch(const Call<F>& c) {
-    switch (c.statics().e(kDataType)) {
-        case 0:
-            c.template each<Zero<1, 6>>();
-            return c.template each<MixFloat<clamped>>();
-        case 1:
-            c.template each<Zero<0, 1>>();
-            c.template each<Zero<4, 3>>();
-            return c.statics().e(kFactorMode) ? c.template each<MixVectorNonUniform<clamped>>() : c.template each<MixVector<clamped>>();
-        case 2:
-            c.template each<Zero<0, 4>>();
-            return c.statics().e(kClampResult) ? mix_color_dispatch<F, clamped, true>(c) : mix_color_dispatch<F, clamped, false>(c);
-        default: return c.template each<Zero<0, 7>>();  // refused by check()
-    }
 }
 template <class F>
 void mix_node(const Call<F>& c) {
-    if (c.statics().e(kClampFactor)) mix_dispatch<F, true>(c);
-    else mix_dispatch<F, false>(c);
+    switch (c.statics().e(kDataType)) {
+        case 0:
+            c.template each<Zero<1, 6>>();
+            return c.template each<MixFloat>();
+        case 1:
+            c.template each<Zero<0, 1>>();
+            c.template each<Zero<4, 3>>();
+            return c.statics().e(kFactorMode) ? c.template each<MixVectorNonUniform>() : c.template each<MixVector>();
+        case 2:
+            c.template each<Zero<0, 4>>();
+            return mix_color_dispatch(c);
+        default: return c.template each<Zero<0, 7>>();  // refused by check()
+    }
 }
 ALDER_KERNEL(mix_node)
 
-template <class F, bool clamp_result>
-HWY_INLINE void mix_rgb_dispatch(const Call<F>& c) {
+template <class F>
+void mix_rgb(const Call<F>& c) {
     int index = 0;
     const int mode = c.statics().e(3);
 #define X(ID, label, cycles, Op) \
-    if (mode == index++) return c.template each<MixRgb<Op, clamp_result>>();
+    if (mode == index++) return c.template each<MixRgb<Op>>();
     ALDER_BLEND_MODES(X)
 #undef X
-}
-template <class F>
-void mix_rgb(const Call<F>& c) {
-    if (c.statics().e(4)) mix_rgb_dispatch<F, true>(c);
-    else mix_rgb_dispatch<F, false>(c);
 }
 ALDER_KERNEL(mix_rgb)
 

@@ -17,17 +17,9 @@ struct Product {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) { k.set(0, k.f(0) * k.f(1)); }
 };
-/// Value 0 where 1 says that it exists, else 1.
-struct OrOne {
-    template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, select(k.f(1) != F(0), k.f(0), F(1))); }
-};
 template <class F>
 void product(const Call<F>& c) { c.template each<Product>(); }
-template <class F>
-void or_one(const Call<F>& c) { c.template each<OrOne>(); }
 ALDER_KERNEL(product)
-ALDER_KERNEL(or_one)
 
 }  // namespace alder::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -37,7 +29,6 @@ HWY_AFTER_NAMESPACE();
 
 namespace alder {
 ALDER_KERNEL_EXPORT(product)
-ALDER_KERNEL_EXPORT(or_one)
 
 /// 0 without the attribute.
 static ValueRef alpha_or_zero(Lowering& l, const std::string& name) {
@@ -117,10 +108,7 @@ ALDER_NODE {
         switch (output) {
             case 0: return l.result(l.global(Global::ObjectLocation));
             case 1: return l.result(l.global(Global::ObjectColor));
-            case 2: {
-                const ValueRef operands[] = {l.attribute("object_alpha", Type::Float), l.attribute("object_alpha.exists", Type::Float)};
-                return l.result(l.op("or_one", or_one_kernel(), operands, Type::Float));
-            }
+            case 2: return l.result(l.attribute_or("object_alpha", Type::Float, l.constant(Type::Float, 1)));
             case 3: return l.result(l.global(Global::ObjectIndex));
             case 4: return l.result(l.global(Global::MaterialIndex));
             default: return l.result(l.global(Global::ObjectRandom));

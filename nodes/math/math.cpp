@@ -65,28 +65,23 @@ namespace alder::HWY_NAMESPACE {
 ALDER_MATH_OPS(X)
 #undef X
 
-template <class Op, bool clamped>
+template <class Op>
 struct MathBody {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
         const F value = Op::eval(k.f(0), k.f(1), k.f(2));
-        k.set(0, clamped ? cycles_saturate(value) : value);
+        k.set(0, k.statics().e(4) ? cycles_saturate(value) : value);
     }
 };
 
-template <class F, bool clamped>
-HWY_INLINE void math_dispatch(const Call<F>& c) {
+template <class F>
+void math_node(const Call<F>& c) {
     int index = 0;
     const int op = c.statics().e(3);
 #define X(ID, ...) \
-    if (op == index++) return c.template each<MathBody<MathOp_##ID, clamped>>();
+    if (op == index++) return c.template each<MathBody<MathOp_##ID>>();
     ALDER_MATH_OPS(X)
 #undef X
-}
-template <class F>
-void math_node(const Call<F>& c) {
-    if (c.statics().e(4)) math_dispatch<F, true>(c);
-    else math_dispatch<F, false>(c);
 }
 ALDER_KERNEL(math_node)
 
