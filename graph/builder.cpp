@@ -149,6 +149,7 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
     if (n.type->prepare) {
         std::vector<std::string> errors;
         s->prepared = n.type->prepare(*s, errors);
+        for (LobeSpec& l : s->lobes) l.prepared = s->prepared;
         for (const auto& e : errors) {
             const auto colon = e.find(':');
             const int param = colon == std::string::npos ? -1 : n.type->param_index(e.substr(0, colon));

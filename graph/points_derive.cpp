@@ -236,6 +236,25 @@ double PointData::edge_distance(uint32_t i) const {
     return nearest;
 }
 
+/// A request that gives what only curves have, or T and no derivative, is about a curve.
+bool PointData::is_strand(uint32_t i) const {
+    if (const auto* f = field("is_strand")) return f->at(i, 0) != 0;
+    for (const char* name : {"fibre_tangent", "fibre_normal", "h", "pixel_coverage"})
+        if (field(name)) return true;
+    return field("T") && !field("dPdu") && !field("dPdv") && !on_mesh();
+}
+
+Vec3d PointData::fibre_tangent(uint32_t i) const {
+    for (const char* name : {"fibre_tangent", "T"})
+        if (const auto* f = field(name)) return safe_normalize(f->vec(i));
+    return safe_normalize(dpdu(i));
+}
+
+double PointData::fibre_offset(uint32_t i) const {
+    if (const auto* f = field("h")) return f->at(i, 0);
+    return -dot(n(i), safe_normalize(cross(fibre_tangent(i), to_viewer(i))));
+}
+
 Vec3d PointData::dpdx(uint32_t i, bool y) const {
     if (const auto* f = field(y ? "dPdy" : "dPdx")) return f->vec(i);
     Vec3d a, b;
@@ -317,6 +336,7 @@ Vec3d PointData::value(Global g, uint32_t i) const {
         case Global::Duvdx: return duvdx(i, false);
         case Global::Duvdy: return duvdx(i, true);
         case Global::Tangent: return tangent(i);
+        case Global::FibreTangent: return fibre_tangent(i);
         case Global::Window: return window(i);
         case Global::Nu: return n_unturned(i);
         case Global::Ngu: return ng_unturned(i);
@@ -366,13 +386,16 @@ double PointData::scalar(Global g, uint32_t i) const {
         case Global::RayLength: return ray_length(i);
         case Global::PixelFootprint: return footprint(i);
         case Global::EdgeDistance: return edge_distance(i);
+        case Global::IsStrand: return is_strand(i) ? 1 : 0;
+        case Global::FibreOffset: return fibre_offset(i);
         default: break;
     }
     if (g >= Global::IsCameraRay && g <= Global::IsVolumeRay) return ray_kind(g, i);
     if (const char* name = global_name(g))
         if (const auto* f = field(name)) return f->at(i, 0);
     switch (g) {
-        case Global::TangentSign: return 1;
+        case Global::TangentSign:
+        case Global::FibreCoverage: return 1;
         case Global::RayDepth: return world ? 1 : 0;  // Cycles counts the background as a bounce
         case Global::FaceIndex: return field("triangle") ? field("triangle")->at(i, 0) : 0;
         case Global::FootprintArea: return footprint(i) * footprint(i);

@@ -81,6 +81,9 @@ struct PointData {
     double ray_length(uint32_t i) const;
     double footprint(uint32_t i) const;
     double edge_distance(uint32_t i) const;
+    bool is_strand(uint32_t i) const;
+    Vec3d fibre_tangent(uint32_t i) const;
+    double fibre_offset(uint32_t i) const;
     double ray_kind(Global g, uint32_t i) const;
 
     struct Corners {

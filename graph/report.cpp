@@ -25,6 +25,17 @@ const char* closure_name(const LobeSpec& spec) {
         case LobeKind::MicrofacetTransmission: return spec.distribution == Distribution::GGX ? "ggx_refraction" : "beckmann_refraction";
         case LobeKind::MicrofacetGlass: return spec.distribution == Distribution::GGX ? "ggx_glass" : "beckmann_glass";
         case LobeKind::AshikhminShirley: return "ashikhmin_shirley";
+        case LobeKind::HairReflection: return "hair_reflection";
+        case LobeKind::HairTransmission: return "hair_transmission";
+        case LobeKind::HairChiang: return "hair_chiang";
+        case LobeKind::HairOrder: return "hair_order";
+        case LobeKind::HairHuang: return "hair_huang";
+        case LobeKind::HairKajiya: return "hair_diffuse";
+        case LobeKind::HairGlossy: return "hair_glossy";
+        case LobeKind::HairForward: return "hair_forward";
+        case LobeKind::HairGlint: return "hair_glint";
+        case LobeKind::HairDual: return "hair_dual";
+        case LobeKind::Measured: return "measured";
         case LobeKind::kCount: break;
     }
     return "?";

@@ -10,10 +10,13 @@
 // channels are not read. Frame: z = normal, x = tangent made orthogonal to it.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace alder {
+
+struct Prepared;  // nodes/schema.h
 
 enum class LobeKind : uint8_t {
     // Not scattering
@@ -34,6 +37,22 @@ enum class LobeKind : uint8_t {
     MicrofacetTransmission,  ///< refraction only
     MicrofacetGlass,         ///< reflection and refraction by Fresnel, one lobe
     AshikhminShirley,        ///< anisotropic Phong; widths as a microfacet lobe, no Fresnel
+    // Fibres: the tangent runs along the fibre, angles are in radians. Mathematics: render/closure/hair*.h
+    HairReflection,    ///< Cycles' Hair BSDF on the side of the normal; params: offset, roughness along, roughness around
+    HairTransmission,  ///< the same on the far side
+    HairChiang,        ///< all orders of Chiang et al. 2016; params: sigma r g b; variance of R; variance (TT: 1/4 of it, else 4
+                       ///< times); logistic scale; tilt; eta; h
+    HairOrder,         ///< one order of the same (LobeSpec::order); params: sigma r g b; variance; logistic scale; shift; eta; h
+    HairHuang,         ///< Huang et al. 2022; normal: major axis of the section, or zero; params: sigma r g b; roughness; tilt;
+                       ///< eta; aspect; h; half the pixel's width in h; weights of R, TT, TRT
+    HairKajiya,        ///< Kajiya and Kay's diffuse: sine of the angle to the fibre; no params
+    HairGlossy,        ///< alHair's R and TRT; params: shift, width
+    HairForward,       ///< alHair's TT; params: shift, width, azimuthal variance
+    HairGlint,         ///< alHair's glint; params: shift, width, azimuthal variance, azimuth
+    HairDual,          ///< alHair's dual scattering, tables in LobeSpec::prepared; order 0 local, 1 global; params: colour r g b,
+                       ///< forward, back
+    // Tables
+    Measured,  ///< isotropic table in LobeSpec::prepared (MERL); no params
     kCount
 };
 
@@ -48,7 +67,9 @@ enum class FresnelMode : uint8_t {
 };
 
 /// Which light AOV a lobe's contribution goes to (API.md section 10). What a lobe labelled Refraction reflects is Specular.
-enum class LobeLabel : uint8_t { Diffuse, Specular, Specular2, Backlight, Refraction, Sss, SingleScatter, Emission, Transparent, kCount };
+enum class LobeLabel : uint8_t {
+    Diffuse, Specular, Specular2, Backlight, Refraction, Glint, HairTransmission, Local, Global, Sss, SingleScatter, Emission, Transparent, kCount
+};
 
 struct LobeSpec {
     LobeKind kind;
@@ -61,11 +82,15 @@ struct LobeSpec {
     bool thin_film = false;      ///< Principled Fresnel under a film
     bool smooth = false;         ///< Diffuse: roughness is 0 everywhere, no params
     bool transmits = false;      ///< OrenNayar: leaves on the far side (alShaders' backlight)
+    int8_t order = 0;        ///< HairOrder: passes through the fibre (0 R, 1 TT, 2 TRT, 3 all further); HairDual: which part
+    /// Tables the lobe reads: the node's own, set by the graph compiler (Statics::prepared).
+    std::shared_ptr<const Prepared> prepared = {};
     /// Indices of node parameters any of which makes the lobe vanish when constant and black/zero.
     std::vector<int> gates = {};
 
     bool is_microfacet() const { return kind >= LobeKind::MicrofacetReflection && kind <= LobeKind::AshikhminShirley; }
-    bool has_tangent() const { return is_microfacet() && anisotropic; }
+    bool is_hair() const { return kind >= LobeKind::HairReflection && kind <= LobeKind::HairDual; }
+    bool has_tangent() const { return is_hair() || (is_microfacet() && anisotropic); }
     int params() const;
     int channels() const { return 6 + (has_tangent() ? 3 : 0) + params(); }
 };
@@ -99,7 +124,9 @@ struct MicrofacetLayout {
         count = static_cast<int8_t>(count + channels);
     }
 };
-inline constexpr int kMaxLobeParams = MicrofacetLayout(LobeKind::MicrofacetGlass, FresnelMode::Principled, true, true).count;
+inline constexpr int kHuangParams = 12;
+inline constexpr int kMaxLobeParams = kHuangParams;
+static_assert(MicrofacetLayout(LobeKind::MicrofacetGlass, FresnelMode::Principled, true, true).count <= kMaxLobeParams);
 
 inline int LobeSpec::params() const {
     switch (kind) {
@@ -113,6 +140,15 @@ inline int LobeSpec::params() const {
         case LobeKind::MicrofacetTransmission:
         case LobeKind::MicrofacetGlass:
         case LobeKind::AshikhminShirley: return MicrofacetLayout(*this).count;
+        case LobeKind::HairGlossy: return 2;
+        case LobeKind::HairReflection:
+        case LobeKind::HairTransmission:
+        case LobeKind::HairForward: return 3;
+        case LobeKind::HairGlint: return 4;
+        case LobeKind::HairDual: return 5;
+        case LobeKind::HairOrder: return 8;
+        case LobeKind::HairChiang: return 9;
+        case LobeKind::HairHuang: return kHuangParams;
         default: return 0;
     }
 }

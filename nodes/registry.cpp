@@ -55,7 +55,7 @@ constexpr GlobalRow kGlobals[] = {
     {Global::WorldToCameraY, 3, nullptr}, {Global::WorldToCameraZ, 3, nullptr}, {Global::WorldToCameraT, 3, nullptr},
     {Global::ObjectLocation, 3, "object_location"}, {Global::Ld, 3, "Ld"}, {Global::Rd, 3, "Rd"}, {Global::Ro, 3, "Ro"},
     {Global::Nf, 3, "Nf"}, {Global::Ngf, 3, "Ngf"}, {Global::Nu, 3, "Nu"}, {Global::Ngu, 3, "Ngu"},
-    {Global::ObjectColor, 3, "object_color"},
+    {Global::ObjectColor, 3, "object_color"}, {Global::FibreTangent, 3, "fibre_tangent"}, {Global::FibreNormal, 3, "fibre_normal"},
     {Global::Backfacing, 1, "backfacing"}, {Global::RayLength, 1, "ray_length"}, {Global::RayDepth, 1, "Rr"},
     {Global::DiffuseDepth, 1, "Rr_diff"}, {Global::GlossyDepth, 1, "Rr_gloss"}, {Global::TransmissionDepth, 1, "Rr_refr"},
     {Global::TransparentDepth, 1, "transparent_depth"}, {Global::IsCameraRay, 1, "is_camera_ray"},
@@ -67,7 +67,8 @@ constexpr GlobalRow kGlobals[] = {
     {Global::ObjectRandom, 1, "object_random"}, {Global::IslandRandom, 1, "island_random"},
     {Global::Pointiness, 1, "pointiness"}, {Global::BarycentricU, 1, "barycentric_u"},
     {Global::BarycentricV, 1, "barycentric_v"}, {Global::Time, 1, "time"}, {Global::PixelFootprint, 1, "pixel_footprint"},
-    {Global::PreviousAlpha, 1, "previous_alpha"}, {Global::EdgeDistance, 1, "edge_distance"},
+    {Global::PreviousAlpha, 1, "previous_alpha"}, {Global::IsStrand, 1, "is_strand"}, {Global::FibreOffset, 1, "h"},
+    {Global::FibreCoverage, 1, "pixel_coverage"}, {Global::FibreRandom, 1, "fibre_random"}, {Global::EdgeDistance, 1, "edge_distance"},
 };
 static_assert(std::size(kGlobals) == static_cast<size_t>(Global::kCount));
 

@@ -66,11 +66,17 @@ enum class Global : uint8_t {
     Nu,              ///< alShaders' N: smooth normal as modelled, not turned
     Ngu,             ///< alShaders' Ng: not turned
     ObjectColor,
+    FibreTangent,    ///< along the fibre of a curve, from root to tip, unit length; on a mesh dPdu's direction
+    FibreNormal,     ///< curves that carry normals: the normal, world space; zero where not known
     // 1 channel each from here
     Backfacing, RayLength, RayDepth, DiffuseDepth, GlossyDepth, TransmissionDepth, TransparentDepth,
     IsCameraRay, IsShadowRay, IsDiffuseRay, IsGlossyRay, IsSingularRay, IsReflectionRay, IsTransmissionRay, IsVolumeRay,
     FaceIndex, FootprintArea, ObjectIndex, MaterialIndex, ObjectRandom, IslandRandom, Pointiness,
     BarycentricU, BarycentricV, Time, PixelFootprint, PreviousAlpha,
+    IsStrand,        ///< 1 on a curve
+    FibreOffset,     ///< where the fibre is seen, across its width: -1 and 1 are the edges; the sign is that of Chiang et al.'s h
+    FibreCoverage,   ///< half a pixel's width over the fibre's radius; 1 or more: seen from afar, and on rays not from the camera
+    FibreRandom,     ///< random number of the curve, 0..1
     EdgeDistance,    ///< distance to the nearest edge of the triangle, world space; 0 where not known (Wireframe)
     kCount
 };

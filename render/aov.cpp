@@ -15,11 +15,19 @@ const std::vector<std::string> kShadingNames = {
     "direct_backlight", "indirect_backlight", "refraction", "sss", "single_scatter", "direct_volume", "indirect_volume",
     "emission", "background"};
 
+/// Layers of alHair beyond the common ones.
+const std::vector<std::string> kHairNames = {
+    "direct_glint", "indirect_glint", "direct_transmission", "indirect_transmission", "direct_local", "indirect_local",
+    "direct_global", "indirect_global"};
+
 const std::map<std::string, ShadingLayer> kLayerByName = {
     {"direct_diffuse", kDirectDiffuse}, {"indirect_diffuse", kIndirectDiffuse}, {"direct_specular", kDirectSpecular},
     {"indirect_specular", kIndirectSpecular}, {"direct_specular_2", kDirectSpecular2}, {"indirect_specular_2", kIndirectSpecular2},
     {"direct_backlight", kDirectBacklight}, {"indirect_backlight", kIndirectBacklight}, {"direct_refraction", kDirectRefraction},
-    {"indirect_refraction", kIndirectRefraction}, {"sss", kSssLayer}, {"single_scatter", kSingleScatterLayer},
+    {"indirect_refraction", kIndirectRefraction}, {"direct_glint", kDirectGlint}, {"indirect_glint", kIndirectGlint},
+    {"direct_transmission", kDirectHairTransmission}, {"indirect_transmission", kIndirectHairTransmission},
+    {"direct_local", kDirectLocal}, {"indirect_local", kIndirectLocal}, {"direct_global", kDirectGlobal},
+    {"indirect_global", kIndirectGlobal}, {"sss", kSssLayer}, {"single_scatter", kSingleScatterLayer},
     {"direct_volume", kDirectVolume}, {"indirect_volume", kIndirectVolume}, {"emission", kEmissionLayer},
     {"background", kBackgroundLayer}};
 
@@ -47,6 +55,10 @@ ShadingLayer layer_of(LobeLabel label, bool direct) {
         case LobeLabel::Specular2: return direct ? kDirectSpecular2 : kIndirectSpecular2;
         case LobeLabel::Backlight: return direct ? kDirectBacklight : kIndirectBacklight;
         case LobeLabel::Refraction: return direct ? kDirectRefraction : kIndirectRefraction;
+        case LobeLabel::Glint: return direct ? kDirectGlint : kIndirectGlint;
+        case LobeLabel::HairTransmission: return direct ? kDirectHairTransmission : kIndirectHairTransmission;
+        case LobeLabel::Local: return direct ? kDirectLocal : kIndirectLocal;
+        case LobeLabel::Global: return direct ? kDirectGlobal : kIndirectGlobal;
         case LobeLabel::Sss: return kSssLayer;
         case LobeLabel::SingleScatter: return kSingleScatterLayer;
         default: return kEmissionLayer;
@@ -61,6 +73,7 @@ std::vector<std::string> expand_aovs(const std::vector<std::string>& requested, 
     };
     for (const std::string& r : requested) {
         if (r == "shading") put(kShadingNames);
+        else if (r == "hair") put(kHairNames);
         else if (r == "data") put({"Z", "P", "N", "Ng", "uv"});
         else if (r == "denoise") put({"denoise_albedo", "denoise_normal"});
         else if (r == "quality") put({"sample_count", "variance", "error"});

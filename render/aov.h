@@ -16,7 +16,8 @@ namespace alder {
 /// Light layers. The direct and indirect of a label are neighbours: layer_of.
 enum ShadingLayer : int {
     kDirectDiffuse, kIndirectDiffuse, kDirectSpecular, kIndirectSpecular, kDirectSpecular2, kIndirectSpecular2,
-    kDirectBacklight, kIndirectBacklight, kDirectRefraction, kIndirectRefraction, kSssLayer, kSingleScatterLayer,
+    kDirectBacklight, kIndirectBacklight, kDirectRefraction, kIndirectRefraction, kDirectGlint, kIndirectGlint,
+    kDirectHairTransmission, kIndirectHairTransmission, kDirectLocal, kIndirectLocal, kDirectGlobal, kIndirectGlobal, kSssLayer, kSingleScatterLayer,
     kDirectVolume, kIndirectVolume, kEmissionLayer, kBackgroundLayer, kShadingLayers
 };
 /// Labels a path may be attributed to by its first scattering: Diffuse .. SingleScatter.

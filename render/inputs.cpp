@@ -225,6 +225,7 @@ Vec3f Batch::vec3(Global g, size_t i) const {
         case Global::WorldToCameraT: return on_mesh(i) ? column(scene.camera->world_to_camera(), 3) : Vec3f(0.f);
         case Global::Ro: return history[i]->origin;
         case Global::ObjectColor: return on_mesh(i) ? instance(i).color : Vec3f(1.f);
+        case Global::FibreTangent: return safe_normalize(dpdu(i));
         case Global::Ld:
         default: return Vec3f(0.f);
     }
@@ -271,6 +272,8 @@ float Batch::scalar(Global g, size_t i) const {
         case Global::BarycentricV: return s.u;
         case Global::PixelFootprint: return s.footprint;
         case Global::EdgeDistance: return edge_distance(i);
+        case Global::FibreOffset: return std::clamp(-dot(s.n, safe_normalize(cross(dpdu(i), s.wo))), -1.f, 1.f);
+        case Global::FibreCoverage: return 1;
         case Global::PreviousAlpha: return ray.previous_alpha;
         case Global::Time:
         default: return 0;

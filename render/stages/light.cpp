@@ -16,7 +16,15 @@ bool lobe_sees(const LobeSpec& spec, uint32_t visibility) {
         case LobeKind::MicrofacetTransmission: return visibility & kVisibleTransmission;
         case LobeKind::MicrofacetReflection:
         case LobeKind::AshikhminShirley:
-        case LobeKind::ToonGlossy: return visibility & kVisibleGlossy;
+        case LobeKind::ToonGlossy:
+        case LobeKind::HairReflection:
+        case LobeKind::HairGlossy:
+        case LobeKind::HairGlint: return visibility & kVisibleGlossy;
+        case LobeKind::HairTransmission:
+        case LobeKind::HairForward: return visibility & kVisibleTransmission;
+        case LobeKind::HairChiang:
+        case LobeKind::HairOrder:
+        case LobeKind::HairHuang: return visibility & (kVisibleGlossy | kVisibleTransmission);
         default: return visibility & kVisibleDiffuse;
     }
 }

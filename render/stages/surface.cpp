@@ -131,9 +131,10 @@ void Worker::record_data(const Path& path, const ShadingPoint& point, const Bsdf
     if (a.id_material >= 0) r[a.id_material] = static_cast<float>(plan_->scene.surfaces->material(point.instance, point.triangle));
     if (a.any_color) {
         const auto albedo = [&](LobeLabel l) { return bsdf.albedo(l); };
-        const Vec3f diffuse = albedo(LobeLabel::Diffuse) + albedo(LobeLabel::Backlight) + albedo(LobeLabel::Sss);
-        const Vec3f specular = albedo(LobeLabel::Specular) + albedo(LobeLabel::Specular2);
-        const Vec3f refraction = albedo(LobeLabel::Refraction);
+        const Vec3f diffuse = albedo(LobeLabel::Diffuse) + albedo(LobeLabel::Backlight) + albedo(LobeLabel::Sss) +
+                              albedo(LobeLabel::Local) + albedo(LobeLabel::Global);
+        const Vec3f specular = albedo(LobeLabel::Specular) + albedo(LobeLabel::Specular2) + albedo(LobeLabel::Glint);
+        const Vec3f refraction = albedo(LobeLabel::Refraction) + albedo(LobeLabel::HairTransmission);
         put(a.diffuse_color, diffuse);
         put(a.specular_color, specular);
         put(a.refraction_color, refraction);
