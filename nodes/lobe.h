@@ -49,8 +49,8 @@ enum class LobeKind : uint8_t {
     HairGlossy,        ///< alHair's R and TRT; params: shift, width
     HairForward,       ///< alHair's TT; params: shift, width, azimuthal variance
     HairGlint,         ///< alHair's glint; params: shift, width, azimuthal variance, azimuth
-    HairDual,          ///< alHair's dual scattering, tables in LobeSpec::prepared; order 0 local, 1 global; params: colour r g b,
-                       ///< forward, back
+    HairDual,          ///< alHair's dual scattering, order 0 local, 1 global; params: colour r g b; forward; back; shift and width of
+                       ///< R; azimuthal variances of TT and glint
     // Tables
     Measured,  ///< isotropic table in LobeSpec::prepared (MERL); no params
     kCount
@@ -145,8 +145,8 @@ inline int LobeSpec::params() const {
         case LobeKind::HairTransmission:
         case LobeKind::HairForward: return 3;
         case LobeKind::HairGlint: return 4;
-        case LobeKind::HairDual: return 5;
         case LobeKind::HairOrder: return 8;
+        case LobeKind::HairDual:
         case LobeKind::HairChiang: return 9;
         case LobeKind::HairHuang: return kHuangParams;
         default: return 0;

@@ -184,7 +184,7 @@ class Evaluation {
             results_.emission[p] = {emission.x, emission.y, emission.z};
             if (!closure_.wi.empty()) {
                 // What Cycles evaluates, sampled or not: requests compare with its tables.
-                view.unreachable_too = true;
+                view.unreachable_too = view.converged = true;
                 const BsdfEval<R> e = Bsdf<R>(lobes, view).eval(vec(closure_.wi[p]));
                 results_.f_cos[p] = {e.f_cos.x, e.f_cos.y, e.f_cos.z};
                 results_.pdf[p] = e.pdf;

@@ -39,6 +39,12 @@ struct ShadingView {
     /// the two (its albedo exceeds 1 by that), Ashikhmin's sheen and glossy toon below ng. For comparing with its tables;
     /// their density is 0. A renderer wants false: then these are 0.
     bool unreachable_too = false;
+    /// Integrate models that are defined by an integral (Huang's hair) until they have converged, instead of estimating them
+    /// with numbers that follow from the directions. For comparing and for tests: a thousand times slower.
+    bool converged = false;
+    /// alHair's dual scattering: fibres between the point and the light evaluated, weighted by opacity, and the variance they
+    /// have added. A renderer that does not count them leaves 0: then all light is direct.
+    T fibres = 0, fibre_variance = 0;
 };
 
 template <class T>

@@ -6,6 +6,8 @@
 #include "nodes/surface/fresnel-inl.h"
 #include "render/closure/bsdf.h"
 #include "render/closure/diffuse.h"
+#include "render/closure/hair_lobes.h"
+#include "render/closure/measured.h"
 #include "render/closure/microfacet.h"
 
 namespace alder {
@@ -240,6 +242,11 @@ T bump_shadowing(Vec3<T> ns, Vec3<T> n, Vec3<T> wi) {
     return 2 / (1 + std::sqrt(1 + alpha2 * (1 / sqr(c) - 1)));
 }
 
+const MerlTable* measured_table(const LobeSpec& spec) {
+    const auto* const t = dynamic_cast<const MerlTable*>(spec.prepared.get());
+    return t && t->usable() ? t : nullptr;
+}
+
 /// f cos and density of the kinds that are simplest in world space; wi is on the right side already.
 template <class T>
 BsdfEval<T> eval_diffuse(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi) {
@@ -284,6 +291,9 @@ BsdfEval<T> eval_diffuse(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> w
             e.f_cos = Vec3<T>(f);
             break;
         }
+        case LobeKind::Measured:
+            if (const MerlTable* t = measured_table(spec)) e = MeasuredLobe<T>(*t, n, wo).eval(wi);
+            break;
         default: break;
     }
     if (spec.cycles_normal) e.f_cos = e.f_cos * bump_shadowing(view.ns, n, wi);
@@ -292,7 +302,7 @@ BsdfEval<T> eval_diffuse(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> w
 
 /// A direction of the non-microfacet kinds, world space.
 template <class T>
-Vec3<T> sample_direction(const Lobe<T>& l, const ShadingView<T>& view, T u1, T u2) {
+Vec3<T> sample_direction(const Lobe<T>& l, const ShadingView<T>& view, T u1, T u2, T u3) {
     switch (l.spec->kind) {
         case LobeKind::SheenMicrofiber:
             return frame_around(l.n, view.wo).to_world(sample_sheen_ltc(l.p[0], l.p[1], u1, u2));
@@ -309,6 +319,9 @@ Vec3<T> sample_direction(const Lobe<T>& l, const ShadingView<T>& view, T u1, T u
             const Vec3<T> h = phong.is_delta() ? Vec3<T>(0, 0, 1) : phong.sample_h(u1, u2);
             return frame.to_world(h * (2 * dot(h, wo)) - wo);
         }
+        case LobeKind::Measured:
+            if (const MerlTable* t = measured_table(*l.spec)) return MeasuredLobe<T>(*t, l.n, view.wo).sample(u1, u2, u3);
+            [[fallthrough]];
         default: return frame_around(transmits_only(*l.spec) ? -l.n : l.n).to_world(sample_cosine(u1, u2));
     }
 }
@@ -318,6 +331,7 @@ template <class T>
 BsdfEval<T> eval_shape(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi) {
     const LobeSpec& spec = *l.spec;
     if (spec.kind < LobeKind::Diffuse) return {};
+    if (spec.is_hair()) return eval_hair(l, view, wi);  // fibres scatter to all sides
     // The light must be on the same side of the lobe's normal and of the geometry, and on the side the lobe scatters to.
     const T nl = dot(l.n, wi), gl = dot(view.ng, wi);
     if (spec.kind == LobeKind::MicrofacetGlass) {
@@ -385,13 +399,15 @@ BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T 
         return s;
     }
     const bool phong = l.spec->kind == LobeKind::AshikhminShirley;
-    if (l.spec->is_microfacet() && !phong) {
+    if (l.spec->is_hair()) {
+        s = closure::sample_hair(l, view, u1, u2, u3);
+    } else if (l.spec->is_microfacet() && !phong) {
         s = closure::sample_microfacet(l, view, u1, u2, u3);
         if (s.valid && (dot(view.ng, s.wi) < 0) != s.is_transmission) s.valid = false;
     } else {
-        s.wi = closure::sample_direction(l, view, u1, u2);
+        s.wi = closure::sample_direction(l, view, u1, u2, u3);
         s.is_transmission = closure::transmits_only(*l.spec);
-        s.is_diffuse = !phong;
+        s.is_diffuse = !phong && l.spec->kind != LobeKind::Measured;
         if (phong && is_delta(l)) {
             s.is_delta = true;
             s.roughness = 0;
@@ -416,6 +432,7 @@ Vec3<T> lobe_albedo(const Lobe<T>& l, Vec3<T> wo) {
     using namespace closure;
     const LobeSpec& spec = *l.spec;
     if (is_zero(l.weight) || spec.kind == LobeKind::Emission || spec.kind == LobeKind::Holdout) return Vec3<T>(T(0));
+    if (spec.is_hair()) return bounded(l.weight * hair_albedo(l, wo));
     if (!spec.is_microfacet() || spec.kind == LobeKind::AshikhminShirley) return bounded(l.weight);
     const T c = dot(l.n, wo);
     if (!(c > 0)) return Vec3<T>(T(0));
