@@ -70,14 +70,14 @@ HWY_INLINE F flow_floor(F s, Mask<F> positive) {
 template <class F>
 HWY_INLINE FlowCell<F> flow_cell(Vec3<F> p) {
     FlowCell<F> c;
-    const F skew = (p.x + p.y + p.z) * F(1.0 / 3);
+    const F skew = (p.x + p.y + p.z) / F(3);   // divided: the original multiplied by a third in double
     Vec3<F> i(p);
     for (int k = 0; k < 3; ++k) {
         const F s = p[k] + skew;
         i[k] = flow_floor<F>(s, s > F(0));
         c.cell[k] = to_int(i[k]);
     }
-    const F t = (i.x + i.y + i.z) * F(1.0 / 6);
+    const F t = (i.x + i.y + i.z) / F(6);
     c.d = p - (i - Vec3<F>(t));
     return c;
 }
