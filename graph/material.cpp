@@ -95,7 +95,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
             return nullptr;
         }
         const Param& p = document_->nodes[node]->type->params[param];
-        const bool structural = value.is_object() || is_static(p.type) || p.type == Type::Bool || p.type == Type::Closure ||
+        const bool structural = value.is_object() || is_static(p.type) || !p.takes_links || p.type == Type::Bool || p.type == Type::Closure ||
                                 document_->nodes[node]->params[param].kind == DocValue::Link ||
                                 document_->nodes[node]->params[param].kind == DocValue::Attribute ||
                                 (p.has_default_global && document_->nodes[node]->params[param].kind == DocValue::Default);
