@@ -69,6 +69,7 @@ struct Orientation3 {
     Vec3<F> direction;
     F isotropy, inclination, azimuth;
     Mask<F> turns;
+    HWY_INLINE Orientation3() {}
 
     HWY_INLINE Vec3<F> turned(Int<F> hx, Int<F> hy, Int<F> hz, Int<F> number) const {
         if (!any(turns)) return direction;
