@@ -10,6 +10,7 @@
 
 #include "graph/digest.h"
 #include "graph/json_text.h"
+#include "graph/upgrade.h"
 
 namespace alder {
 namespace {
@@ -555,6 +556,11 @@ bool Document::find_output(const std::string& text, DocLink& link) const {
     return true;
 }
 
-std::shared_ptr<const Document> read_document(const json& j, const MaterialOptions& options, Diagnostics& d) { return Reader(j, options, d).read(); }
+std::shared_ptr<const Document> read_document(const json& j, const MaterialOptions& options, Diagnostics& d) {
+    const auto upgraded = upgraded_document(j);
+    auto document = Reader(upgraded ? *upgraded : j, options, d).read();
+    if (document && upgraded) std::const_pointer_cast<Document>(document)->upgraded = true;
+    return document;
+}
 
 }  // namespace alder

@@ -115,7 +115,13 @@ void collect_aov(json& document, Tree& tree, const std::string& name) {
     json& aovs = outputs["aovs"];
     if (aovs.is_null()) aovs = json::object();
     if (!aovs.is_object() || aovs.contains(*aov)) return;
-    const bool value = p.contains("Value") && !p.contains("Color");
+    const auto weight = [&](const char* socket) {  // links count most, then what is not black
+        const auto v = p.find(socket);
+        if (v == p.end()) return 0;
+        if (upgrade::is_link(*v)) return 2;
+        return *v == 0 || *v == json({0, 0, 0}) || *v == json({0, 0, 0, 1}) ? 0 : 1;
+    };
+    const bool value = weight("Value") > weight("Color");
     aovs[aov->get<std::string>()] = Tree::link(name, value ? "Value" : "Color");
 }
 

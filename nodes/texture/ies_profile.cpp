@@ -220,6 +220,10 @@ std::shared_ptr<const IesProfile> load_ies(const std::string& json, std::string&
     if (!j.is_object()) return nullptr;
     if (j.contains("text") && j["text"].is_string()) return parse_ies(j["text"].get<std::string>(), fault);
     if (!j.contains("file") || !j["file"].is_string()) return nullptr;
+    if (j.contains("missing")) {  // not found beside the document: the name is not a path
+        fault = "there is no such file";
+        return nullptr;
+    }
     const std::string name = j["file"].get<std::string>();
     std::ifstream file(name, std::ios::binary);
     std::string text;

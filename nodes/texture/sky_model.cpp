@@ -1,6 +1,6 @@
 // Sky models. Preetham, Shirley, Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 1999, appendix A.2; Hosek, Wilkie, "An
 // Analytic Model for Full Spectral Sky-Dome Radiance", SIGGRAPH 2012; Nishita et al., "Display of the Earth Taking into Account
-// Atmospheric Scattering", SIGGRAPH 1993, with ozone, spectrally, as Blender 4.5 sets it up (21 wavelengths, 32 and 16 steps).
+// Atmospheric Scattering", SIGGRAPH 1993, with ozone, spectrally, as Blender 4.5 sets it up (21 wavelengths, 32 steps).
 // 32-bit arithmetic in Blender's order: heights are small differences of large radii, and their rounding shows in the result.
 #include "nodes/texture/sky_model.h"
 
@@ -36,7 +36,7 @@ constexpr float kRayleighScaleM = 8e3f, kMieScaleM = 1.2e3f;   // heights over w
 constexpr float kMieScattering = 2e-5f, kMieExtinction = 1.11f * kMieScattering;  // per metre at sea level
 constexpr float kMieG = 0.76f, kMieG2 = kMieG * kMieG;         // asymmetry
 constexpr float kEarthRadiusM = 6360e3f, kAtmosphereRadiusM = 6420e3f;
-constexpr int kSteps = 32, kLightSteps = 16;
+constexpr int kSteps = 32;
 constexpr int kWavelengths = 21;
 constexpr float kWavelengthStepNm = 20.0f;                     // 380 to 780 nm
 // Per wavelength: irradiance at the top of the atmosphere (W m^-2 nm^-1), Rayleigh scattering and ozone absorption (m^-1), CIE 1931.
@@ -89,17 +89,18 @@ float length_to_top(Vec3f p, Vec3f d) {
     const Vec3f end(p.x + d.x * t, p.y + d.y * t, p.z + d.z * t);
     return length(p - end);
 }
-/// Densities integrated from p to the top of the atmosphere.
+/// Densities integrated from p to the top of the atmosphere. They fall about exponentially, so a Gauss-Laguerre rule of 8 points
+/// serves, its last point still within the atmosphere: nodes x/25 and weights w e^x / 25 of the standard rule.
 Vec3f optical_depth(Vec3f p, Vec3f d) {
-    const float step = length_to_top(p, d) / kLightSteps;
-    const Vec3f segment = d * step;
+    constexpr float kNodes[8] = {0.006811185292f, 0.03614807107f, 0.09004346519f, 0.1706680068f,
+                                 0.2818362161f,   0.4303406404f,  0.6296271457f,  0.9145252695f};
+    constexpr float kWeights[8] = {0.01750893642f, 0.04135477391f, 0.06678839063f, 0.09507698807f,
+                                   0.1283416365f,  0.1707430204f,  0.2327233347f,  0.3562490486f};
+    const float distance = length_to_top(p, d);
+    const Vec3f ray = d * distance;
     Vec3f sum(0.0f);
-    p = p + segment * 0.5f;
-    for (int i = 0; i < kLightSteps; ++i) {
-        sum += densities(length(p) - kEarthRadiusM);
-        p += segment;
-    }
-    return sum * step;
+    for (int i = 0; i < 8; ++i) sum += densities(length(p + ray * kNodes[i]) - kEarthRadiusM) * kWeights[i];
+    return sum * distance;
 }
 Vec3f xyz_of(const float (&spectrum)[kWavelengths]) {
     Vec3f xyz(0.0f);
