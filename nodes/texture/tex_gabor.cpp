@@ -177,7 +177,7 @@ ALDER_NODE {
     };
     n.outputs = {{"Value", Type::Float}, {"Phase", Type::Float}, {"Intensity", Type::Float}};
     n.kernel = tex_gabor_kernel_kernel();
-    n.cost_ns = 400;
+    n.cost_ns = 2000;
     n.uses = [](const Statics& s, int param) {
         if (param == p::kOrientation2) return s.e(p::kType) == 0;
         if (param == p::kOrientation3) return s.e(p::kType) == 1;

@@ -82,7 +82,7 @@ TEST(Upgrade, musgrave_with_links_gets_math_nodes) {
 
 TEST(Upgrade, edits_of_an_upgraded_document_use_its_own_names) {
     Diagnostics d;
-    const json doc = {{"nodes", {{"m", {{"type", "ShaderNodeTexMusgrave"}, {"params", {{"Detail", 3}, {"Dimension", 1}, {"Vector", {0.3, 0.7, 0.1}}}}}}}}};
+    const json doc = {{"nodes", {{"m", {{"type", "ShaderNodeTexMusgrave"}, {"params", {{"Detail", 3}, {"Dimension", 1}, {"Vector", {0.31, 0.72, 0.13}}}}}}}}};
     json edited = doc;
     edited["nodes"]["m"]["params"]["Dimension"] = 0.5;
     const auto a = material(doc, d), b = material(edited, d);
