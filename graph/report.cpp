@@ -36,6 +36,8 @@ const char* closure_name(const LobeSpec& spec) {
         case LobeKind::HairGlint: return "hair_glint";
         case LobeKind::HairDual: return "hair_dual";
         case LobeKind::Measured: return "measured";
+        case LobeKind::RandomWalk: return "random_walk";
+        case LobeKind::Profile: return "subsurface_profile";
         case LobeKind::kCount: break;
     }
     return "?";

@@ -53,6 +53,10 @@ enum class LobeKind : uint8_t {
                        ///< R; azimuthal variances of TT and glint
     // Tables
     Measured,  ///< isotropic table in LobeSpec::prepared (MERL); no params
+    // Subsurface: light leaves elsewhere (render/subsurface/). Chosen like any lobe, but 0 where it is evaluated at one point.
+    RandomWalk,  ///< params: mean free path r g b (world units); albedo r g b; ior; entry width; anisotropy. LobeSpec::order 1: half of
+                 ///< the entries are diffuse (Cycles' skin)
+    Profile,     ///< params: scale r g b of a radial profile (world units). LobeSpec::order: 0 Christensen and Burley, 1 cubic
     kCount
 };
 
@@ -82,7 +86,10 @@ struct LobeSpec {
     bool thin_film = false;      ///< Principled Fresnel under a film
     bool smooth = false;         ///< Diffuse: roughness is 0 everywhere, no params
     bool transmits = false;      ///< OrenNayar: leaves on the far side (alShaders' backlight)
-    int8_t order = 0;        ///< HairOrder: passes through the fibre (0 R, 1 TT, 2 TRT, 3 all further); HairDual: which part
+    int8_t order = 0;        ///< HairOrder: passes through the fibre (0 R, 1 TT, 2 TRT, 3 all further); HairDual: which part; variant of
+                             ///< subsurface kinds
+    bool own_normal = false; ///< subsurface kinds: the normal is not the surface's, so that it is evaluated where light leaves, too
+    bool cycles_profile = false;  ///< Profile: Cycles' rules (Lambert after a diffuse scattering, its weights of probes)
     /// Tables the lobe reads: the node's own, set by the graph compiler (Statics::prepared).
     std::shared_ptr<const Prepared> prepared = {};
     /// Indices of node parameters any of which makes the lobe vanish when constant and black/zero.
@@ -90,6 +97,7 @@ struct LobeSpec {
 
     bool is_microfacet() const { return kind >= LobeKind::MicrofacetReflection && kind <= LobeKind::AshikhminShirley; }
     bool is_hair() const { return kind >= LobeKind::HairReflection && kind <= LobeKind::HairDual; }
+    bool is_subsurface() const { return kind == LobeKind::RandomWalk || kind == LobeKind::Profile; }
     bool has_tangent() const { return is_hair() || (is_microfacet() && anisotropic); }
     int params() const;
     int channels() const { return 6 + (has_tangent() ? 3 : 0) + params(); }
@@ -140,6 +148,8 @@ inline int LobeSpec::params() const {
         case LobeKind::MicrofacetTransmission:
         case LobeKind::MicrofacetGlass:
         case LobeKind::AshikhminShirley: return MicrofacetLayout(*this).count;
+        case LobeKind::RandomWalk: return 9;
+        case LobeKind::Profile: return 3;
         case LobeKind::HairGlossy: return 2;
         case LobeKind::HairReflection:
         case LobeKind::HairTransmission:

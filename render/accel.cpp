@@ -117,6 +117,8 @@ bool embree_takes(const Ray& r, float largest_origin) {
 
 struct Accel::Impl {
     std::vector<RTCScene> meshes;
+    std::vector<Transform> to_object;       ///< of each instance
+    std::vector<RTCScene> scene_of;         ///< of each instance; null where it is not in the top scene
     RTCScene top = nullptr;
     float largest_origin = kLargestCoordinate;  ///< of rays that stay within Embree's range in every instance
     bool takes(const Ray& r) const { return embree_takes(r, largest_origin); }
@@ -139,6 +141,7 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
 
     impl_->top = rtcNewScene(embree_device());
     set_flags(impl_->top);
+    impl_->scene_of.assign(instances.size(), nullptr);
     float scene_extent = 1;
     std::vector<float> extents(instances.size(), -1.f);
     for (size_t i = 0; i < instances.size(); ++i) {
@@ -163,8 +166,12 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
         rtcSetGeometryMask(geometry, instance.visibility);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(impl_->top, geometry, static_cast<unsigned>(i));
+        impl_->scene_of[i] = mesh;
         rtcReleaseGeometry(geometry);
     }
+    impl_->to_object.resize(instances.size());
+    for (size_t i = 0; i < instances.size(); ++i)
+        if (impl_->scene_of[i]) impl_->to_object[i] = instances[i].object_to_world.inverse();
     rtcCommitScene(impl_->top);
     if (const RTCError e = rtcGetDeviceError(embree_device()); e == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
     RTCBounds b;
@@ -187,6 +194,25 @@ bool Accel::intersect(const Ray& ray, uint32_t visibility, Hit& hit) const {
     rtcIntersect1(impl_->top, &context, &r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit = {r.ray.tfar, r.hit.u, r.hit.v, r.hit.instID[0], r.hit.primID};
+    return true;
+}
+
+bool Accel::intersect_instance(uint32_t instance, const Ray& ray, Hit& hit) const {
+    hit.instance = kNothing;
+    RTCScene scene = impl_->scene_of[instance];
+    if (!scene || !impl_->takes(ray)) return false;
+    const Transform& t = impl_->to_object[instance];
+    const Vec3f along = t.vector(ray.direction);
+    const float scale = length(along);
+    if (!(scale > 0) || !std::isfinite(scale)) return false;
+    const Ray local{t.point(ray.origin), along / scale, ray.t_min * scale, ray.t_max * scale};
+    if (!embree_takes(local, kLargestCoordinate)) return false;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit r = embree_ray(local, ~0u);
+    rtcIntersect1(scene, &context, &r);
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    hit = {r.ray.tfar / scale, r.hit.u, r.hit.v, instance, r.hit.primID};
     return true;
 }
 

@@ -46,6 +46,8 @@ class Accel {
 
     /// Nearest hit with t in (t_min, t_max] of instances visible to rays of this kind (RayVisibility bits).
     bool intersect(const Ray& ray, uint32_t visibility, Hit& hit) const;
+    /// Nearest hit within one instance, whatever else is in the way and whoever may see it.
+    bool intersect_instance(uint32_t instance, const Ray& ray, Hit& hit) const;
     /// Whether something that casts shadows lies in between. filter null: everything is opaque.
     Occlusion occluded(const Ray& ray, const ShadowFilter* filter) const;
 

@@ -1,7 +1,7 @@
 // Worker: one thread's wavefront. Traces the samples of a tile together, stage by stage, so that points with the same program
 // are shaded as one batch.
 //
-//   for each depth:  intersect -> background, lamps met -> surfaces by program -> lights -> shadow rays
+//   for each depth:  intersect -> background, lamps met -> surfaces by program -> ways through bodies -> lights -> shadow rays
 //
 // All state is private to the thread and reused; nothing a sample records depends on what else is in the wavefront. Within a
 // path, contributions are added in the order of its vertices, and at a vertex in the order of the stages.
@@ -23,7 +23,7 @@
 namespace alder {
 
 struct WorkerCounters {
-    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, shading_points = 0, nonfinite_samples = 0;
+    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0, shading_points = 0, nonfinite_samples = 0;
 };
 
 /// The layer a lobe's light goes to; glass counts by the side it leaves on (as in Cycles).
@@ -81,6 +81,18 @@ class Worker {
         uint8_t light_group;
         bool direct, scattered, casts;
     };
+    /// A path that entered a body.
+    struct PendingWalk {
+        uint32_t path;
+        ShadingPoint entry;
+        Lobe<float> lobe;
+    };
+    /// Where it left.
+    struct Leaving {
+        uint32_t path;
+        ShadingPoint point;
+        Vec3f n;
+    };
     struct PendingEmission {
         const SceneProgram* program;
         ShadingPoint point;
@@ -111,7 +123,10 @@ class Worker {
     bool shade_point(Path& path, uint32_t index, const ShadingPoint& point, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
     void record_data(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
     void emit(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf);
-    bool scatter(Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf);
+    bool scatter(Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf);
+    // stages/subsurface.cpp
+    void scatter_subsurface();
+    void bump_leaving(std::span<const uint32_t> which);
     // stages/light.cpp
     void sample_light(const Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf);
     void evaluate_emission();
@@ -159,6 +174,9 @@ class Worker {
     std::vector<ShadowRay> shadows_;
     std::vector<PendingEmission> pending_;
     std::vector<FoundLight> found_;
+    std::vector<PendingWalk> walks_;
+    std::vector<Leaving> leaving_;
+    std::vector<uint32_t> bumped_;
     std::vector<uint32_t> order_, order_by_program_, alive_, filtered_, lamps_;
     std::vector<Vec3f> emission_;
     std::vector<RayHistory> shadow_history_;

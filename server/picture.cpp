@@ -39,7 +39,7 @@ nlohmann::json stats_json(const RenderStats& s) {
     return {{"samples", s.samples},
             {"complete", s.complete},
             {"estimated_error", s.estimated_error},
-            {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}}},
+            {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}, {"subsurface", s.subsurface_rays}}},
             {"shading_points", s.shading_points},
             {"node_evaluations", s.node_evaluations},
             {"node_evaluations_skipped", s.node_skipped},

@@ -155,6 +155,7 @@ void Service::count_render(const RenderStats& stats) {
     metrics.count("alder_rays", "kind=\"camera\"", static_cast<double>(stats.camera_rays));
     metrics.count("alder_rays", "kind=\"bounce\"", static_cast<double>(stats.bounce_rays));
     metrics.count("alder_rays", "kind=\"shadow\"", static_cast<double>(stats.shadow_rays));
+    metrics.count("alder_rays", "kind=\"subsurface\"", static_cast<double>(stats.subsurface_rays));
     metrics.count("alder_shading_points", {}, static_cast<double>(stats.shading_points));
     metrics.count("alder_node_evaluations", "outcome=\"run\"", static_cast<double>(stats.node_evaluations));
     metrics.count("alder_node_evaluations", "outcome=\"skipped\"", static_cast<double>(stats.node_skipped));

@@ -7,6 +7,7 @@
 
 #include "nodes/surface/closure-inl.h"
 #include "nodes/surface/cycles_params.h"
+#include "nodes/surface/subsurface-inl.h"
 
 #ifndef ALDER_NODES_SURFACE_PRINCIPLED_LISTS
 #define ALDER_NODES_SURFACE_PRINCIPLED_LISTS
@@ -29,7 +30,7 @@ constexpr int at(int parameter) {
 /// Channels of the globals.
 inline constexpr int kN = at(kParameters), kNg = kN + 3, kI = kN + 6, kBackfacing = kN + 9;
 /// Lobes from the top; Transparent last, so that an opaque material lacks it without moving the others.
-enum LobeIndex : int { Sheen, Coat, Emission, Metal, Transmission, Dielectric, Diffuse, Transparent };
+enum LobeIndex : int { Sheen, Coat, Emission, Metal, Transmission, Dielectric, Diffuse, Subsurface, Shallow, Transparent };
 }  // namespace alder::principled
 #endif
 
@@ -243,8 +244,23 @@ struct PrincipledLayers {
 
     HWY_INLINE void diffuse() {
         namespace P = principled;
+        const Statics& s = k.statics();
+        F left = F(1);
+        if (!s.is_zero(P::SubsurfaceWeight)) {
+            const F amount = saturate(f(P::SubsurfaceWeight));
+            const Mask<F> present = amount > F(kWeightCutoff);
+            left = F(1) - amount;
+            const LobeOut<F> deep(k, P::Subsurface), shallow(k, P::Shallow);
+            if (deep.wanted() || shallow.wanted()) {
+                const Vec3<F> weight = select(present, allocate(base1 * amount * w), Vec3<F>(F(0)));
+                const bool skin = s.e(P::SubsurfaceMethod) == 2;
+                emit_subsurface(deep, shallow, weight, reflecting_n, n, v(P::SubsurfaceRadius) * f(P::SubsurfaceScale), base1,
+                                skin ? f(P::SubsurfaceIor) : ior, skin ? F(1) : sqr(rough), f(P::SubsurfaceAnisotropy));
+            }
+        }
         const LobeOut<F> out(k, P::Diffuse);
-        out.weight(allocate(w * base));
+        if (!out.wanted()) return;
+        out.weight(allocate(w * base * left));
         out.normal(n);
         if (out.spec.smooth) return;
         out.param(0, saturate(f(P::DiffuseRoughness)));
@@ -262,7 +278,7 @@ struct Principled {
         }
         // From the lowest lobe wanted upwards everything contributes; above it the layers only dim.
         int lowest = -1;
-        for (int i = P::Sheen; i <= P::Diffuse; ++i)
+        for (int i = P::Sheen; i <= P::Shallow; ++i)
             if (LobeOut<F>(k, i).wanted()) lowest = i;
         if (lowest < 0) return;
         const Statics& s = k.statics();
@@ -323,9 +339,12 @@ static std::vector<LobeSpec> principled_lobes(const Statics& s) {
     lobes[P::Diffuse].label = LobeLabel::Diffuse;
     lobes[P::Diffuse].smooth = s.is_zero(P::DiffuseRoughness);
     lobes[P::Diffuse].gates = {P::Alpha, P::BaseColor};
-    // Full metal or full transmission leaves nothing to the layers below: gated by a parameter that is always 0.
+    set_subsurface_specs(lobes[P::Subsurface], lobes[P::Shallow], s.e(P::SubsurfaceMethod), s.linked[P::Normal]);
+    lobes[P::Subsurface].gates = lobes[P::Shallow].gates = {P::Alpha, P::BaseColor, P::SubsurfaceWeight};
+    if (s.is_one(P::SubsurfaceWeight)) lobes[P::Diffuse].gates.push_back(P::Weight);
+    // Full metal or full transmission leaves nothing to the layers below: gated by a parameter that is 0 in practice.
     const int below = s.is_one(P::Metallic) ? P::Transmission : s.is_one(P::TransmissionWeight) ? P::Dielectric : P::Transparent;
-    for (int i = below; i < P::Transparent; ++i) lobes[i].gates.push_back(P::SubsurfaceWeight);
+    for (int i = below; i < P::Transparent; ++i) lobes[i].gates.push_back(P::Weight);
     if (!s.is_default(P::Alpha))
         lobes.push_back({.kind = LobeKind::Transparent, .label = LobeLabel::Transparent});
     return lobes;
@@ -334,12 +353,11 @@ static std::vector<LobeSpec> principled_lobes(const Statics& s) {
 static bool principled_uses(const Statics& s, int p) {
     namespace P = principled;
     switch (p) {
-        case P::Weight:
-        case P::SubsurfaceMethod:
+        case P::Weight: return false;
         case P::SubsurfaceRadius:
-        case P::SubsurfaceScale:
-        case P::SubsurfaceIor:
-        case P::SubsurfaceAnisotropy: return false;
+        case P::SubsurfaceScale: return !s.is_zero(P::SubsurfaceWeight);
+        case P::SubsurfaceIor: return !s.is_zero(P::SubsurfaceWeight) && s.e(P::SubsurfaceMethod) == 2;
+        case P::SubsurfaceAnisotropy: return !s.is_zero(P::SubsurfaceWeight) && s.e(P::SubsurfaceMethod) != 0;
         case P::Tangent:
         case P::AnisotropicRotation: return !s.is_zero(P::Anisotropic);
         case P::CoatRoughness:
@@ -354,26 +372,23 @@ static bool principled_uses(const Statics& s, int p) {
     }
 }
 
-static void principled_check(const Statics&, const std::vector<const double*>& constant, std::vector<std::string>& errors) {
-    const double* weight = constant[principled::SubsurfaceWeight];
-    if (!weight || *weight != 0) errors.push_back("Subsurface Weight: subsurface scattering is not available; use 0");
-}
-
 ALDER_NODE {
     using namespace param;
     namespace P = principled;
     const auto bits = [](auto... lobe) { return ((uint64_t{1} << lobe) | ...); };
-    const uint64_t below_sheen = bits(P::Coat, P::Emission, P::Metal, P::Transmission, P::Dielectric, P::Diffuse);
-    const uint64_t below_coat = bits(P::Emission, P::Metal, P::Transmission, P::Dielectric, P::Diffuse);
-    const uint64_t base = bits(P::Metal, P::Transmission, P::Dielectric, P::Diffuse);
-    const uint64_t dielectrics = bits(P::Transmission, P::Dielectric, P::Diffuse);
+    const uint64_t below_sheen = bits(P::Coat, P::Emission, P::Metal, P::Transmission, P::Dielectric, P::Diffuse, P::Subsurface, P::Shallow);
+    const uint64_t below_coat = bits(P::Emission, P::Metal, P::Transmission, P::Dielectric, P::Diffuse, P::Subsurface, P::Shallow);
+    const uint64_t base = bits(P::Metal, P::Transmission, P::Dielectric, P::Diffuse, P::Subsurface, P::Shallow);
+    const uint64_t dielectrics = bits(P::Transmission, P::Dielectric, P::Diffuse, P::Subsurface, P::Shallow);
+    const uint64_t subsurface = bits(P::Subsurface, P::Shallow);
     NodeType n;
     n.name = "ShaderNodeBsdfPrincipled";
     n.system = System::Cycles;
     n.category = "surface";
     n.summary = "general surface: metal, glass, dielectric over diffuse, with coat, sheen, emission and alpha";
     n.help = "Blender 4.5's Principled BSDF. Layers from the top: sheen, coat, emission, metal, transmission, dielectric, "
-             "diffuse; each passes down what its largest albedo channel leaves. Subsurface scattering is not available.";
+             "diffuse and subsurface; each passes down what its largest albedo channel leaves. Subsurface light walks at random inside the "
+             "object the surface belongs to, or follows Christensen and Burley's profile.";
     n.aliases = {"principled_bsdf"};
     n.params = {
         choice("distribution", {{"GGX", "GGX", "ggx"}, {"MULTI_GGX", "Multiscatter GGX", "multi_ggx"}}, "MULTI_GGX")
@@ -381,8 +396,8 @@ ALDER_NODE {
         choice("subsurface_method",
                {{"BURLEY", "Christensen-Burley", "burley"}, {"RANDOM_WALK", "Random Walk", "random_walk"},
                 {"RANDOM_WALK_SKIN", "Random Walk (Skin)", "random_walk_skin"}}, "RANDOM_WALK")
-            .doc("has no effect: subsurface scattering is not available"),
-        color("Base Color", 0.8, 0.8, 0.8).lobes(bits(P::Metal, P::Transmission, P::Diffuse)),
+            .doc("profile, or walk inside the object; Skin enters diffusely in half of the cases and adapts the radius to the colour"),
+        color("Base Color", 0.8, 0.8, 0.8).lobes(bits(P::Metal, P::Transmission, P::Diffuse) | subsurface),
         f("Metallic", 0).range(0, 1).lobes(base),
         f("Roughness", 0.5).range(0, 1).lobes(base),
         f("IOR", 1.5).range(1, 1000).lobes(dielectrics),
@@ -390,11 +405,11 @@ ALDER_NODE {
         normal_socket().lobes(bits(P::Sheen) | base | below_coat | below_sheen),
         weight_socket(),
         f("Diffuse Roughness", 0).range(0, 1).lobes(bits(P::Diffuse)),
-        f("Subsurface Weight", 0).range(0, 1).doc("must be 0: subsurface scattering is not available"),
-        vector("Subsurface Radius", 1, 0.2, 0.1).range(0, 100).doc("has no effect"),
-        f("Subsurface Scale", 0.05).range(0, 10).doc("has no effect"),
-        f("Subsurface IOR", 1.4).range(1.01, 3.8).doc("has no effect"),
-        f("Subsurface Anisotropy", 0).range(0, 1).doc("has no effect"),
+        f("Subsurface Weight", 0).range(0, 1).lobes(bits(P::Diffuse) | subsurface).doc("share of the diffuse layer that is subsurface"),
+        vector("Subsurface Radius", 1, 0.2, 0.1).range(0, 100).lobes(subsurface).doc("how far light spreads, per channel; times the scale"),
+        f("Subsurface Scale", 0.05).range(0, 10).lobes(subsurface).doc("length of one unit of radius"),
+        f("Subsurface IOR", 1.4).range(1.01, 3.8).lobes(subsurface).doc("of the inside, for Skin; otherwise IOR counts"),
+        f("Subsurface Anisotropy", 0).range(0, 1).lobes(subsurface).doc("of scattering inside, up to 0.9; not for the profile"),
         f("Specular IOR Level", 0.5).range(0, 1).lobes(bits(P::Dielectric, P::Diffuse))
             .doc("scales the reflectance at normal incidence; 0.5 is that of the IOR"),
         color("Specular Tint", 1, 1, 1).lobes(base).doc("reflectance at normal incidence; metals: at grazing angles"),
@@ -421,7 +436,6 @@ ALDER_NODE {
     n.cost_ns = 60;
     n.uses = principled_uses;
     n.lobes = principled_lobes;
-    n.check = principled_check;
     return n;
 }
 }  // namespace alder

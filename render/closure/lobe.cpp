@@ -372,7 +372,7 @@ Lobe<T> load_lobe(const LobeSpec& spec, const Channel<T>* channels, size_t i) {
 
 template <class T>
 bool is_delta(const Lobe<T>& l) {
-    if (l.spec->kind == LobeKind::Transparent) return true;
+    if (l.spec->kind == LobeKind::Transparent || l.spec->is_subsurface()) return true;
     if (l.spec->kind == LobeKind::AshikhminShirley) return closure::Phong<T>(l).is_delta();
     return l.spec->is_microfacet() && closure::MicrofacetLobe<T>(l).facets.is_delta();
 }
@@ -396,6 +396,13 @@ BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T 
         s.pdf = 1;
         s.is_delta = s.is_transmission = s.valid = true;
         s.roughness = 0;
+        return s;
+    }
+    if (l.spec->is_subsurface()) {  // only the choice is made here: where light leaves is found by a walk
+        s.wi = -l.n;
+        s.weight = closure::bounded(l.weight);
+        s.pdf = 1;
+        s.is_delta = s.is_diffuse = s.is_transmission = s.valid = true;
         return s;
     }
     const bool phong = l.spec->kind == LobeKind::AshikhminShirley;

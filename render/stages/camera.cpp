@@ -71,6 +71,7 @@ bool Worker::trace(const Tile& tile, uint64_t first, uint32_t count, std::span<L
         group_hits();
         shade_surfaces();
         if (plan_->stopped()) return false;
+        if (!walks_.empty()) scatter_subsurface();
         evaluate_emission();
         trace_shadows();
         active_.swap(next_);

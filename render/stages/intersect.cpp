@@ -18,6 +18,7 @@ void Worker::intersect() {
     found_.clear();
     shadows_.clear();
     shares_.clear();
+    walks_.clear();
     for (const uint32_t index : active_) {
         Path& path = paths_[index];
         if (path.vertex > 0) ++counters_.bounce_rays;

@@ -63,7 +63,7 @@ void Worker::sample_light(const Path& path, uint32_t index, const ShadingPoint& 
     s.transparent = path.history.transparent;
     s.light_group = static_cast<uint8_t>(std::clamp(light.light_group, 0, kLightGroups - 1));
     s.scattered = scattered;
-    s.direct = !scattered;
+    s.direct = path.history.depth == 0;
     s.casts = light.cast_shadow;
     s.ray.origin = leave_surface(point, light.wi);
     if (std::isfinite(light.distance)) {

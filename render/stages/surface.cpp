@@ -6,6 +6,11 @@
 #include "render/worker.h"
 
 namespace alder {
+namespace {
+
+const LobeSpec kLambert{.kind = LobeKind::Diffuse, .label = LobeLabel::Sss, .smooth = true};
+
+}  // namespace
 
 void Worker::shade_surfaces() {
     for (size_t key = 0; key + 1 < key_count_.size(); ++key) {
@@ -73,7 +78,10 @@ std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
             const bool both = spec.kind == LobeKind::MicrofacetGlass;
             if (both ? !s.caustics_reflective && !s.caustics_refractive : refracts ? !s.caustics_refractive : !s.caustics_reflective) continue;
         }
-        lobes_[count++] = load_lobe(spec, c, i);
+        lobes_[count] = load_lobe(spec, c, i);
+        // Profiles are worth their noise where the eye sees them: after a diffuse scattering Cycles takes Lambert instead.
+        if (spec.cycles_profile && path.flags & kDiffuseBefore) lobes_[count].spec = &kLambert;
+        ++count;
     }
     return {lobes_.data(), count};
 }
@@ -93,7 +101,7 @@ bool Worker::shade_point(Path& path, uint32_t index, const ShadingPoint& point, 
     }
     if (!bsdf.scatters()) return false;
     if (bsdf.has_density() && !plan_->scene.lights->empty()) sample_light(path, index, point, bsdf);
-    return scatter(path, point, bsdf);
+    return scatter(path, index, point, bsdf);
 }
 
 void Worker::emit(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf) {
@@ -157,7 +165,7 @@ void Worker::record_data(const Path& path, const ShadingPoint& point, const Bsdf
 }
 
 /// Chooses the next direction; false: the path ends here.
-bool Worker::scatter(Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf) {
+bool Worker::scatter(Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf) {
     const Sample4 u = sample_set(path.key, set_scatter(path.vertex));
     const bool layers = plan_->aovs->any_layer && !(path.flags & kScattered);
     const std::span<Vec3f> per_lobe = layers ? std::span(per_lobe_).first(bsdf.lobes().size()) : std::span<Vec3f>{};
@@ -194,6 +202,10 @@ bool Worker::scatter(Path& path, const ShadingPoint& point, const Bsdf<float>& b
             for (int c = 0; c < 3; ++c) x[c] = s.weight[c] != 0 ? x[c] / s.weight[c] : 0.f;
     }
     path.flags |= kScattered;
+    if (spec.is_subsurface()) {  // goes on from where it leaves the body, after the surfaces of this depth
+        walks_.push_back({index, point, bsdf.lobes()[s.lobe]});
+        return false;
+    }
     ++h.depth;
     bool last = h.depth > settings.max_bounces;
     h.kinds = s.is_diffuse ? kRayDiffuse : kRayGlossy;
