@@ -106,7 +106,7 @@ struct AlBase {
 
 template <class F>
 struct AlWeights {
-    Vec3<F> specular1, specular2, diffuse, backlight, transmission, emission, shadow, transparent;
+    Vec3<F> specular1, specular2, diffuse, subsurface, backlight, transmission, emission, shadow, transparent;
     HWY_INLINE AlWeights() {}
 };
 
@@ -145,6 +145,7 @@ HWY_INLINE AlWeights<F> al_weights(const AlPath<F>& path, const AlBase<F>& base,
     w.specular1 = select(s1.runs, o * s1.color, black);
     w.specular2 = select(s2.runs, o * s2.color * k1, black);
     w.diffuse = select(max_component(base.diffuse) < al_eps<F>(), black, o * base.diffuse * k);
+    w.subsurface = select(max_component(base.diffuse) < al_eps<F>(), black, o * base.diffuse * (k2 * base.sss_mix));
     w.backlight = select(max_component(base.backlight) < al_eps<F>(), black, o * base.backlight * k);
     w.transmission = select(transmits, o * base.transmission * k2, black);
     w.emission = o * base.emission * k2;

@@ -52,6 +52,7 @@ struct AlSurfacePlan {
     bool layers = false;       ///< a lobe is wanted that the speculars are part of
     bool roughness_follows_path = false, transmission_caustics = false, own_diffuse_normal = false, own_transmission_normal = false;
     MicrofacetLayout transmission_layout;
+    float profile_scale = 1;  ///< of a radius; empirical: mean free paths are radii over 7, and d = mean free path / s(albedo 1)
 
     template <class R>
     explicit AlSurfacePlan(const OpCall<R>& call) {
@@ -73,6 +74,7 @@ struct AlSurfacePlan {
         own_diffuse_normal = s.linked[index("diffuseNormal")];
         own_transmission_normal = s.linked[index("transmissionNormal")];
         transmission_layout = MicrofacetLayout(s.lobes[als::kTransmission]);
+        if (s.lobes[als::kSss1].order == 0) profile_scale = static_cast<float>(1 / (7 * (1.9 - 1 + 3.5 * 0.2 * 0.2)));
     }
 
   private:
@@ -215,6 +217,28 @@ HWY_INLINE void al_transmission(const Lanes<F>& k, const AlSurfacePlan& plan, co
     k.set(out + 6 + plan.transmission_layout.eta, select(point.inside, F(1) / ior, ior));
 }
 
+/// The three profiles (6.10).
+template <class F>
+HWY_INLINE void al_subsurface(const Lanes<F>& k, const AlSurfacePlan& plan, const AlPoint<F>& point, Vec3<F> weight, F weights) {
+    using als::channel;
+    constexpr int kRadius[3] = {channel("sssRadius"), channel("sssRadius2"), channel("sssRadius3")};
+    constexpr int kColor[3] = {channel("sssRadiusColor"), channel("sssRadiusColor2"), channel("sssRadiusColor3")};
+    constexpr int kWeight[3] = {channel("sssWeight1"), channel("sssWeight2"), channel("sssWeight3")};
+    for (int i = 0; i < 3; ++i) {
+        const int out = plan.out[als::kSss1 + i];
+        if (out < 0) continue;
+        const F share = select(weights != F(0), k.f(kWeight[i]) / select(weights != F(0), weights, F(1)), F(0));
+        k.set(out, weight * share);
+        k.set(out + 3, plan.own_diffuse_normal ? al_own_normal(k, channel("diffuseNormal"), point.n) : point.n);
+        const F unit = k.f(kRadius[i]) / k.f(channel("sssDensityScale"));
+        for (int ch = 0; ch < 3; ++ch) {
+            F radius = unit * k.f(kColor[i] + ch);
+            radius = select(radius > F(1e-4), min(radius, F(1e15)), F(1e-4));  // NaN is the least, too
+            k.set(out + 6 + ch, radius * F(plan.profile_scale));
+        }
+    }
+}
+
 template <class F>
 HWY_INLINE void al_surface_point(const Lanes<F>& k, const AlSurfacePlan& plan) {
     using als::channel;
@@ -250,6 +274,7 @@ HWY_INLINE void al_surface_point(const Lanes<F>& k, const AlSurfacePlan& plan) {
             k.set(out[lobe] + 6, sigma);
         }
     }
+    al_subsurface(k, plan, point, w.subsurface, sss_weights);
     if (out[als::kTransmission] >= 0) {
         k.set(out[als::kTransmission], w.transmission);
         al_transmission(k, plan, point, out[als::kTransmission]);
@@ -301,8 +326,8 @@ ALDER_NODE {
     n.summary = "layered surface shader";
     n.help = "Two speculars over diffuse, backlight and transmission, emission below the speculars. Roughness is squared. Diffuse, "
              "backlight and transmission share one budget: where they add up to more than 1 they are scaled down together. Each "
-             "specular passes down what its directional albedo leaves. Subsurface scattering, attenuation inside transmissive "
-             "bodies and separate controls of indirect light are refused where they would change the picture. Opacity multiplies "
+             "specular passes down what its directional albedo leaves. Attenuation inside transmissive bodies, dipoles for subsurface "
+             "scattering and separate controls of indirect light are refused where they would change the picture. Opacity multiplies "
              "every lobe, as Arnold's renderer composites the original's colour by it.";
     for (const AlParam& row : al_surface::kRows) n.params.push_back(al::make_param(row));
     al_surface::set_only_lobes(n);

@@ -3,6 +3,7 @@
 #include "nodes/surface/al_surface_rules.h"
 
 #include <algorithm>
+#include <array>
 
 #include "nodes/surface/al_surface_params.h"
 
@@ -10,10 +11,14 @@ namespace alder::al_surface {
 namespace {
 
 constexpr uint64_t bit(int lobe) { return uint64_t{1} << lobe; }
-constexpr uint64_t kBelowSpecular2 = bit(kDiffuse) | bit(kBacklight) | bit(kTransmission) | bit(kEmission);
+constexpr uint64_t kSubsurface = bit(kSss1) | bit(kSss2) | bit(kSss3);
+constexpr uint64_t kBelowSpecular2 = kSubsurface | bit(kDiffuse) | bit(kBacklight) | bit(kTransmission) | bit(kEmission);
 constexpr uint64_t kBelowSpecular1 = kBelowSpecular2 | bit(kSpecular2);
 /// Diffuse, backlight and transmission share a budget, so each needs the colours of all.
-constexpr uint64_t kBudget = bit(kDiffuse) | bit(kBacklight) | bit(kTransmission) | bit(kShadow);
+constexpr uint64_t kBudget = kSubsurface | bit(kDiffuse) | bit(kBacklight) | bit(kTransmission) | bit(kShadow);
+
+/// Items of sssMode.
+enum SssMode : int { kSssCubic, kSssDiffusion, kSssDirectional, kSssEmpirical };
 
 bool starts(std::string_view name, std::string_view prefix) { return name.substr(0, prefix.size()) == prefix; }
 
@@ -65,6 +70,13 @@ std::vector<LobeSpec> lobes(const Statics& s) {
     l[kTransmission].gates = {index("transmissionStrength"), index("transmissionColor"), opacity};
     emission.gates = {index("emissionStrength"), index("emissionColor"), opacity};
     l[kEmission] = emission;
+    const int mode = s.e(index("sssMode"));
+    for (const auto& [lobe, weight] : {std::pair{kSss1, index("sssWeight1")}, {kSss2, index("sssWeight2")}, {kSss3, index("sssWeight3")}}) {
+        l[lobe] = {LobeKind::Profile, LobeLabel::Sss};
+        l[lobe].order = mode == kSssEmpirical ? 0 : 1;
+        l[lobe].own_normal = s.linked[index("diffuseNormal")];
+        l[lobe].gates = {index("diffuseStrength"), index("diffuseColor"), index("sssMix"), weight, opacity};
+    }
     l[kShadow].shadow_only = true;
     l[kShadow].gates = l[kTransmission].gates;
     // A metallic specular 1 casts a full shadow (6.8), so the lobe is left to the kernel, which gives it no weight.
@@ -106,7 +118,11 @@ bool uses(const Statics& s, int param) {
     if (name == "emissionColor") return !s.is_zero(index("emissionStrength"));
     if (name == "transmissionEnableCaustics") return !dark1 || !dark2;
     if (starts(name, "transmission") && name != "transmissionStrength") return !dark_transmission;
-    if (starts(name, "sssWeight")) return !s.is_zero(index("sssMix"));
+    if (starts(name, "sssWeight") || name == "sssDensityScale") return !s.is_zero(index("sssMix"));
+    for (const auto& [radius, color, weight] : {std::array{index("sssRadius"), index("sssRadiusColor"), index("sssWeight1")},
+                                                std::array{index("sssRadius2"), index("sssRadiusColor2"), index("sssWeight2")},
+                                                std::array{index("sssRadius3"), index("sssRadiusColor3"), index("sssWeight3")}})
+        if (param == radius || param == color) return !s.is_zero(index("sssMix")) && !s.is_zero(weight);
     return name == "opacity" || name == "sssMix" || name == "rr" || name == "diffuseRoughness" || name == "diffuseNormal" ||
            name.ends_with("Strength") || (starts(name, "id") && name.size() == 3);
 }
@@ -122,8 +138,10 @@ void set_only_lobes(NodeType& n) {
         else if (starts(name, "transmission")) lobes = bit(kTransmission);
         for (const char* color : {"diffuse", "backlight", "transmission"})
             if (name == std::string(color) + "Strength" || name == std::string(color) + "Color") lobes = kBudget;
-        if (name == "diffuseRoughness" || name == "diffuseNormal") lobes = bit(kDiffuse) | bit(kBacklight);
-        if (name == "sssMix" || starts(name, "sssWeight")) lobes = bit(kDiffuse) | bit(kBacklight);
+        if (name == "diffuseRoughness") lobes = bit(kDiffuse) | bit(kBacklight);
+        if (name == "diffuseNormal") lobes = bit(kDiffuse) | bit(kBacklight) | kSubsurface;
+        if (name == "sssMix" || starts(name, "sssWeight")) lobes = bit(kDiffuse) | bit(kBacklight) | kSubsurface;
+        if (starts(name, "sssRadius") || name == "sssDensityScale") lobes = kSubsurface;
         if (starts(name, "emission")) lobes = bit(kEmission);
         if (name == "opacity") lobes = ~uint64_t{0};
         if (std::find(std::begin(kDebug), std::end(kDebug), static_cast<int>(p)) != std::end(kDebug)) lobes |= bit(0);
@@ -156,10 +174,12 @@ struct Constants {
 constexpr char kNoScale[] = "1: indirect light is not scaled on its own";
 constexpr char kNoClamp[] = "0: clamping is not available";
 
-void check_subsurface(const Constants& c) {
+void check_subsurface(const Statics& s, const Constants& c) {
     const bool weights = !(c.is(index("sssWeight1"), 0) && c.is(index("sssWeight2"), 0) && c.is(index("sssWeight3"), 0));
-    const int mix = index("sssMix");
-    if (weights && (c.linked(mix) || c.number(mix) >= 0.01)) c.refuse(mix, "less than 0.01: subsurface scattering is not available");
+    const int mix = index("sssMix"), mode = s.e(index("sssMode"));
+    const bool on = weights && (c.linked(mix) || c.number(mix) >= 0.01);
+    if (on && mode != kSssCubic && mode != kSssEmpirical)
+        c.refuse(index("sssMode"), "cubic or empirical: the dipoles of diffusion and directional are not available");
 }
 
 void check_specular(const Constants& c, int strength, int clamp, int internal) {
@@ -187,7 +207,7 @@ void check(const Statics& s, const std::vector<const double*>& constant, std::ve
     const Constants c{constant, errors};
     if (s.e(index("debug")) != 0) return;
     if (!c.dark(index("diffuseStrength"), index("diffuseColor"))) {
-        check_subsurface(c);
+        check_subsurface(s, c);
         c.only(index("diffuseIndirectStrength"), 1, kNoScale);
         c.only(index("diffuseIndirectClamp"), 0, kNoClamp);
     }
