@@ -49,7 +49,7 @@ struct Code {
 };
 
 /// Dead code, lazy regions, schedule, registers.
-std::shared_ptr<const Code> generate_code(Built built, const Document& document);
+std::shared_ptr<const Code> generate_code(Built built);
 
 /// Code and the values of its constants.
 class ProgramImpl final : public Program {
