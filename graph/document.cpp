@@ -8,6 +8,7 @@
 #include "graph/digest.h"
 #include "graph/document_reader.h"
 #include "graph/json_text.h"
+#include "graph/upgrade.h"
 
 namespace alder {
 
@@ -341,9 +342,14 @@ bool Document::find_output(const std::string& text, DocLink& link) const {
 }
 
 std::shared_ptr<const Document> read_document(const json& j, const MaterialOptions& options, Diagnostics& d) {
+    const auto upgraded = upgraded_document(j);
+    const json& current = upgraded ? *upgraded : j;
     GroupTable groups;
-    if (j.is_object() && j.contains("groups")) groups.named = &j["groups"];
-    return Reader(j, "", options, groups, d).read();
+    if (current.is_object() && current.contains("groups")) groups.named = &current["groups"];
+    if (j.is_object() && j.contains("blender_version")) groups.version = &j["blender_version"];
+    auto document = Reader(current, "", options, groups, d).read();
+    if (document && upgraded) std::const_pointer_cast<Document>(document)->upgraded = true;
+    return document;
 }
 
 }  // namespace alder

@@ -55,6 +55,7 @@ class Document {
     DocOutputs outputs;
     std::string digest;
     size_t expanded = 0;   ///< nodes when every group is written out
+    bool upgraded = false;  ///< read from a document of an older Blender: nodes and parameters are not those that it names
 
     int node_index(const std::string& name) const;
     /// "NODE.OUTPUT" split at the last dot that makes a known output, or "NODE". False if there is none.

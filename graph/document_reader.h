@@ -15,6 +15,7 @@ std::string expected_of(const Param& p);
 /// The groups of one document: each definition is read once, however often it is used.
 struct GroupTable {
     const nlohmann::json* named = nullptr;                      ///< the document's "groups"
+    const nlohmann::json* version = nullptr;                    ///< the document's "blender_version", which holds for its groups too
     std::map<std::string, std::shared_ptr<const DocGroup>> done;  ///< by name; null where the definition has errors
     std::vector<std::string> open;                              ///< names of the definitions being read, outermost first
     size_t depth = 0;                                           ///< graphs inside graphs

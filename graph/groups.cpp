@@ -11,6 +11,7 @@
 
 #include "graph/document_reader.h"
 #include "graph/json_text.h"
+#include "graph/upgrade.h"
 
 namespace alder {
 
@@ -105,7 +106,11 @@ std::shared_ptr<const DocGroup> Reader::read_group(const json& j, const std::str
     auto group = std::make_shared<DocGroup>();
     group->pointer = base;
     group->type.summary = name;
-    Reader reader(j, base, options_, groups_, d_, group.get());
+    json dated;
+    const bool date = groups_.version && j.is_object() && !j.contains("blender_version");
+    if (date) (dated = j)["blender_version"] = *groups_.version;
+    const auto upgraded = upgraded_document(date ? dated : j);
+    Reader reader(upgraded ? *upgraded : j, base, options_, groups_, d_, group.get());
     if (groups_.depth >= options_.limits.depth) {
         reader.error("", "limit-exceeded", fmt::format("{} groups inside each other", groups_.depth + 1), fmt::format("at most {}", options_.limits.depth));
         return nullptr;
