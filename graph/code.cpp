@@ -333,16 +333,44 @@ class Generator {
         s.live_nodes = static_cast<int>(std::count(live_node.begin(), live_node.end(), 1));
         std::unordered_map<int, const std::string*> reason;  // the first given
         for (const auto& [node, why] : b_.skipped) reason.try_emplace(node, &why);
+        std::unordered_map<int, int> merged(ir_.merges.begin(), ir_.merges.end());
+        std::unordered_map<int, int> own;                    // node -> one of its ops
+        for (size_t o = 0; o < ir_.ops.size(); ++o)
+            if (ir_.ops[o].node >= 0) own.try_emplace(ir_.ops[o].node, static_cast<int>(o));
         for (size_t n = 0; n < count; ++n) {
             const int node = static_cast<int>(n);
-            code_->node_names.push_back(b_.name(node));
-            if (stands_for_others(n)) continue;
-            ++s.nodes;
-            if (live_node[n]) continue;
+            NodeFate fate{b_.name(node), NodeFate::Live, "", b_.nodes[n].node->type->name, b_.nodes[n].parent};
+            const auto op = own.find(node);
             const auto given = reason.find(node);
-            s.skipped.push_back(code_->node_names[n] + ": " + (given != reason.end()          ? *given->second
-                                                               : b_.touched.count(node) != 0 ? "folded: constant, or passes its input on"
-                                                                                             : "nothing asked for needs it"));
+            const auto into = merged.find(node);
+            if (stands_for_others(n)) {
+                fate.kind = NodeFate::Group;
+            } else if (live_node[n]) {
+                fate.kind = NodeFate::Live;
+            } else if (b_.touched.count(node) == 0) {
+                fate.kind = given != reason.end() ? NodeFate::Pruned : NodeFate::NotAsked;
+                fate.reason = given != reason.end() ? *given->second : "nothing asked for needs it";
+            } else if (op != own.end() && !ir_.ops[op->second].folded) {
+                fate.kind = NodeFate::Pruned;
+                fate.reason = given != reason.end() ? *given->second : "what reads it turned out not to need it";
+            } else if (op != own.end()) {
+                fate.kind = NodeFate::Folded;
+                fate.reason = "folded to a constant:";
+                for (size_t i = 0; i < ir_.ops[op->second].out.size() && i < 4; ++i) fate.reason += fmt::format(" {:g}", ir_.values.f[ir_.ops[op->second].out[i]]);
+            } else if (into != merged.end()) {
+                fate.kind = NodeFate::Merged;
+                fate.reason = "merged: computes what " + b_.name(into->second) + " computes";
+            } else {
+                fate.kind = NodeFate::PassedOn;
+                fate.reason = "passes a value of the point, a constant or its input on: nothing to compute";
+            }
+            if (fate.kind != NodeFate::Group) ++s.nodes;
+            if (fate.kind != NodeFate::Group && fate.kind != NodeFate::Live) s.skipped.push_back(fate.name + ": " + fate.reason);
+            const auto& params = b_.nodes[n].node->params;
+            for (size_t p = 0; p < params.size(); ++p)
+                if (params[p].kind == DocValue::Link)
+                    code_->links.push_back({b_.nodes[n].base + params[p].link.node, node, b_.nodes[n].node->type->params[p].name});
+            code_->nodes.push_back(std::move(fate));
         }
         code_->leaves = b_.leaves;
         code_->asked = b_.asked;
@@ -411,49 +439,6 @@ std::shared_ptr<const ProgramImpl> ProgramImpl::with_constant(int node, int para
     }
     if (!code_->ir->recompute(v, changed)) return nullptr;
     return std::make_shared<ProgramImpl>(code_, std::move(v));
-}
-
-std::string ProgramImpl::dump() const {
-    const Ir& ir = *code_->ir;
-    std::string s = fmt::format("{} nodes, {} live; {} ops, {} registers, batches of {}; {} values folded, {} shared, {} lazy regions\n", code_->stats.nodes,
-                                code_->stats.live_nodes, code_->stats.ops, code_->registers, code_->batch, code_->stats.folded, code_->stats.merged, code_->stats.regions);
-    const auto slot = [&](const Slot& x) {
-        switch (x.kind) {
-            case Slot::Register: return fmt::format("r{}", x.index);
-            case Slot::Uniform: return fmt::format("{:g}", values_.f[code_->uniforms[x.index]]);
-            case Slot::Input: {
-                int first = 0;
-                for (const auto& in : code_->inputs) {
-                    if (x.index < first + in.channels)
-                        return fmt::format("{}.{}", in.is_attribute ? "attribute:" + in.attribute : global_name(in.global) ? global_name(in.global) : "global", x.index - first);
-                    first += in.channels;
-                }
-                return std::string("?");
-            }
-            default: return std::string("-");
-        }
-    };
-    std::vector<int> ends;
-    for (size_t i = 0; i < code_->instructions.size(); ++i) {
-        while (!ends.empty() && ends.back() == static_cast<int>(i)) ends.pop_back();
-        const auto& in = code_->instructions[i];
-        s += std::string(2 * ends.size(), ' ');
-        if (in.kind == Instruction::Region) {
-            s += fmt::format("where {} != 0{}:\n", slot(in.guard), in.compact ? " (gather)" : "");
-            ends.push_back(in.end);
-            continue;
-        }
-        const auto& op = ir.ops[in.op];
-        std::string outs, ins;
-        for (int r : in.out)
-            if (r >= 0) outs += fmt::format("{}r{}", outs.empty() ? "" : " ", r);
-        for (const auto& x : in.in)
-            if (ins.size() < 160) ins += (ins.empty() ? "" : ", ") + slot(x);
-        s += fmt::format("{} = {}({}){}\n", outs, op.name, ins, op.node >= 0 ? "  # " + code_->node_names[op.node] : "");
-    }
-    for (const auto& l : code_->lobes) s += fmt::format("lobe kind {} label {} from {}\n", static_cast<int>(l.spec.kind), static_cast<int>(l.spec.label), l.node);
-    for (const auto& line : code_->stats.skipped) s += "skipped " + line + "\n";
-    return s;
 }
 
 }  // namespace alder

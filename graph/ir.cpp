@@ -146,6 +146,7 @@ int Ir::op(const Kernel& kernel, const char* name, std::shared_ptr<const Statics
         // A folded op met by value would tie two parameters together for nothing: compute it again instead.
         if (by_value && o.folded) continue;
         ++merged;
+        if (node >= 0 && o.node >= 0 && o.node != node) merges.emplace_back(node, o.node);
         return it->second;
     }
     IrOp o;

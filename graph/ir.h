@@ -72,6 +72,7 @@ class Ir {
     std::vector<Guard> guards;
     IrValues values;
     int folded = 0, merged = 0;
+    std::vector<std::pair<int, int>> merges;   ///< (node, the node whose op it shares)
 
     /// A fresh constant leaf (a parameter's component); never shared, so that an edit reaches just its users.
     int leaf(double v);
