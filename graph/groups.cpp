@@ -182,10 +182,11 @@ void Reader::declare_interface() {
     sockets.push_back(param::b("is_active_output", true).no_link());
     group_->output = interface("NodeGroupOutput", std::move(sockets), {});
     group_->output_node = static_cast<int>(pending_.size());
+    const auto known = index_;
     add_node(end.name, &group_->output, end.source, end.pointer, DocNode::GroupOutput);
-    if (ends.empty()) {
+    if (ends.empty()) {  // nobody wrote this node: it has no name to link to
         pending_.back().params_at = "/outputs";
-        index_.erase(end.name);
+        index_ = known;
     }
 }
 
