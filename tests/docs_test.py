@@ -44,7 +44,7 @@ class Graphs(unittest.TestCase):
         self.assertEqual(program.count("= ShaderNodeTexNoise(P.xyz"), 2, text)
         self.assertNotIn("Voronoi", program)
         self.assertRegex(program, r"= ShaderNodeMath\(r\d+, (1, )?0\.5.*\)  # fine/contrast")
-        self.assertRegex(program, r"lobe ggx of surface: r\d")
+        self.assertRegex(program, r"lobe beckmann of surface: r\d")
         self.assertEqual(graph(EXAMPLE).stdout, text, "the default, and the same each time")
 
     def test_one_output_is_the_program_for_it_alone(self):

@@ -53,7 +53,7 @@ TEST(Figures, the_selected_branch_of_a_switch_costs_what_it_costs_alone) {
     nodes["s"]["params"]["mix"] = x();
     const auto varying = cost(nodes, "s", xs);  // 0.25 at every point: the first branch
     EXPECT_LE(varying.evaluations, alone.evaluations + 1024 * 12) << "the switch itself and its questions, whatever the other branch costs";
-    EXPECT_GE(varying.skipped, 50u * 1024);
+    EXPECT_GE(varying.skipped, 40u * 1024) << "ten of its nodes are equal to nodes of the first";
 }
 
 TEST(Figures, a_mix_that_is_zero_on_half_of_the_points_costs_half) {
