@@ -10,6 +10,7 @@
 
 #include "graph/digest.h"
 #include "graph/json_text.h"
+#include "graph/upgrade.h"
 
 namespace alder {
 namespace {
@@ -427,9 +428,15 @@ bool read_constant(const Param& param, const json& value, const std::string& poi
             break;
         case Type::Image: {
             json image = value;
-            if (value.is_string()) image = {{"file", value}};
-            if (value.is_null()) {
+            // A file that may as well be written out (an IES profile) says so by an item "text"; a file name has no line breaks.
+            const bool written_out = !param.items.empty() && value.is_string() && value.get_ref<const std::string&>().find('\n') != std::string::npos;
+            if (value.is_string()) image = {{written_out ? "text" : "file", value}};
+            if (value.is_null() || value == "") {
                 out.text = "null";
+                break;
+            }
+            if (!param.items.empty() && image.is_object() && image.contains("text") && image["text"].is_string()) {
+                out.text = image.dump(-1, ' ', false, json::error_handler_t::replace);
                 break;
             }
             if (!image.is_object() || !(image.contains("file") || image.contains("asset"))) return wrong();
@@ -517,6 +524,9 @@ Statics make_statics(const DocNode& n) {
             s.enums[i] = static_cast<int>(given ? v.number[0] : p.number[0]);
         } else if (p.type == Type::Matrix) {
             s.text[i] = json(given ? v.number : p.number).dump();
+        } else if (channels(p.type) > 0 && !p.takes_links) {  // for NodeType::prepare(): numbers fixed when the graph is compiled
+            const auto& number = given ? v.number : p.number;
+            s.text[i] = fmt::format("{}", fmt::join(number.begin(), number.begin() + channels(p.type), " "));
         } else if (is_static(p.type)) {
             s.text[i] = given ? v.text : p.text;
         }
@@ -546,6 +556,11 @@ bool Document::find_output(const std::string& text, DocLink& link) const {
     return true;
 }
 
-std::shared_ptr<const Document> read_document(const json& j, const MaterialOptions& options, Diagnostics& d) { return Reader(j, options, d).read(); }
+std::shared_ptr<const Document> read_document(const json& j, const MaterialOptions& options, Diagnostics& d) {
+    const auto upgraded = upgraded_document(j);
+    auto document = Reader(upgraded ? *upgraded : j, options, d).read();
+    if (document && upgraded) std::const_pointer_cast<Document>(document)->upgraded = true;
+    return document;
+}
 
 }  // namespace alder

@@ -40,6 +40,7 @@ class Document {
     std::vector<std::shared_ptr<const DocNode>> nodes;
     DocOutputs outputs;
     std::string digest;
+    bool upgraded = false;  ///< read from a document of an older Blender: nodes and parameters are not those that it names
 
     int node_index(const std::string& name) const;
     /// "NODE.OUTPUT" split at the last dot that makes a known output, or "NODE". False if there is none.

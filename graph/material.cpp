@@ -80,6 +80,13 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
             parts.push_back(token);
             i = next;
         }
+        if (document_->upgraded && parts.size() == 4 && parts[0] == "nodes" && parts[2] == "params") {
+            nlohmann::json j = document();  // the user's names mean what they mean in the document as written
+            if (j["nodes"].contains(parts[1])) {
+                j["nodes"][parts[1]]["params"][parts[3]] = value;
+                return build_material(j, options_, d);
+            }
+        }
         const int node = parts.size() == 4 && parts[0] == "nodes" && parts[2] == "params" ? document_->node_index(parts[1]) : -1;
         const int param = node < 0 ? -1 : document_->nodes[node]->type->param_index(parts[3]);
         if (param < 0) {
@@ -95,7 +102,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
             return nullptr;
         }
         const Param& p = document_->nodes[node]->type->params[param];
-        const bool structural = value.is_object() || is_static(p.type) || p.type == Type::Bool || p.type == Type::Closure ||
+        const bool structural = value.is_object() || is_static(p.type) || !p.takes_links || p.type == Type::Bool || p.type == Type::Closure ||
                                 document_->nodes[node]->params[param].kind == DocValue::Link ||
                                 document_->nodes[node]->params[param].kind == DocValue::Attribute ||
                                 (p.has_default_global && document_->nodes[node]->params[param].kind == DocValue::Default);

@@ -27,7 +27,7 @@ constexpr std::string_view kCatalogue[] = {
     "ShaderNodeSeparateRGB", "ShaderNodeSeparateXYZ", "ShaderNodeShaderToRGB", "ShaderNodeSqueeze",
     "ShaderNodeSubsurfaceScattering", "ShaderNodeTangent", "ShaderNodeTexBrick", "ShaderNodeTexChecker", "ShaderNodeTexCoord",
     "ShaderNodeTexEnvironment", "ShaderNodeTexGabor", "ShaderNodeTexGradient", "ShaderNodeTexIES", "ShaderNodeTexImage",
-    "ShaderNodeTexMagic", "ShaderNodeTexMusgrave", "ShaderNodeTexNoise", "ShaderNodeTexPointDensity", "ShaderNodeTexSky",
+    "ShaderNodeTexMagic", "ShaderNodeTexNoise", "ShaderNodeTexPointDensity", "ShaderNodeTexSky",
     "ShaderNodeTexVoronoi", "ShaderNodeTexWave", "ShaderNodeTexWhiteNoise", "ShaderNodeUVAlongStroke", "ShaderNodeUVMap",
     "ShaderNodeValToRGB", "ShaderNodeValue", "ShaderNodeVectorCurve", "ShaderNodeVectorDisplacement", "ShaderNodeVectorMath",
     "ShaderNodeVectorRotate", "ShaderNodeVectorTransform", "ShaderNodeVertexColor", "ShaderNodeVolumeAbsorption",

@@ -8,8 +8,8 @@ import unittest
 HERE = os.path.dirname(os.path.abspath(__file__))
 ALDER = os.path.join(os.environ.get("ALDER_BINARY_DIR") or os.path.join(HERE, "..", "build"), "alder")
 
-CYCLES_TYPES = {"VALUE": {"float"}, "VECTOR": {"vector"}, "RGBA": {"color"}, "SHADER": {"closure"}, "STRING": {"string"}, "INT": {"int", "float"},
-                "FLOAT": {"float"}, "BOOLEAN": {"bool"}, "ENUM": {"enum"}, "POINTER": {"image", "ramp", "curve", "json", "string", "matrix"}}
+CYCLES_TYPES = {"VALUE": {"float"}, "VECTOR": {"vector"}, "RGBA": {"color"}, "SHADER": {"closure"}, "STRING": {"string", "image"}, "INT": {"int", "float"},
+                "FLOAT": {"float", "vector"}, "BOOLEAN": {"bool"}, "ENUM": {"enum"}, "POINTER": {"image", "ramp", "curve", "json", "string", "matrix"}}
 AL_TYPES = {"int": "int", "point": "vector", "vector": "vector", "rgb": "color", "bool": "bool", "string": "string", "matrix": "matrix", "float": "float", "enum": "enum"}
 # Arnold hands surface results on as rgb; here they are closures.
 SURFACES = {("alLayer", "layer1"), ("alLayer", "layer2"), ("alCel", "surfaceShader")}
