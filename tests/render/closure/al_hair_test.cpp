@@ -108,7 +108,7 @@ TEST(AlHair, graph_gives_the_lobes_of_the_table) {
     EXPECT_LE(outside, cases * 4 / 100) << "worst " << worst;
 }
 
-// A table's numbers are sums of single-precision terms; f_s has the original's defect of reading column 0 for every azimuth.
+// f_s in the table has the original's defect of reading column 0 for every azimuth: compared at pi/2, where that column stands.
 TEST(AlHair, dual_scattering_is_that_of_the_table) {
     const json table = load_table("alHair.dual");
     ASSERT_FALSE(table.is_null());
@@ -132,15 +132,15 @@ TEST(AlHair, dual_scattering_is_that_of_the_table) {
                                    t.forward_scattering(theta_d, theta_h, 0.0, variance[k], color[k])};
             const double want[4] = {number(out["aBarF"][k]), number(out["fBackDirect"][k]), number(out["fBackScatter"][k]), number(out["fScatter"][k])};
             for (int i = 0; i < 4; ++i) {
-                const double e = error_of(got[i], want[i], 1e-6);
-                outside[i] += e > 5e-4;
+                const double e = error_of(got[i], want[i]);
+                outside[i] += e > 2e-4;
                 worst[i] = std::max(worst[i], e);
             }
         }
     }
     EXPECT_GT(count, 50);
     const char* names[4] = {"a_f", "f_back direct", "f_back", "f_s"};
-    for (int i = 0; i < 4; ++i) EXPECT_LE(outside[i], count / 50) << names[i] << " of " << count << ", worst " << worst[i];
+    for (int i = 0; i < 4; ++i) EXPECT_LE(outside[i], count / 100) << names[i] << " of " << count << ", worst " << worst[i];
 }
 
 // f_s by azimuth, which the original never varies: between the table's columns it is linear, at their ends it is the sum itself.
@@ -174,8 +174,12 @@ TEST(AlHair, dual_scattering_splits_by_fibres_met) {
         const double through = eval_lobe(l, view, normalize(wi)).f_cos.x;
         EXPECT_EQ(direct > 0, fibres < 2) << fibres;
         EXPECT_EQ(through > 0, fibres > 0) << fibres;
-        if (fibres == 1) EXPECT_NEAR(direct, before[0] / 2, 1e-12);
-        if (fibres == 5) EXPECT_LT(through, before[1]);  // fades with every fibre
+        if (fibres == 1) {
+            EXPECT_NEAR(direct, before[0] / 2, 1e-12);
+        }
+        if (fibres == 5) {
+            EXPECT_LT(through, before[1]) << "fades with every fibre";
+        }
         before[0] = direct;
         before[1] = through;
     }
