@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/input/scene_query.h"
 #include "render/sampling.h"
 
 namespace alder {
@@ -347,7 +348,7 @@ InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
         if (in.is_attribute) {
             e.attribute_by_mesh.assign(surfaces.meshes().size(), nullptr);
             std::string_view name = in.attribute;
-            e.part = take_suffix(name);
+            e.part = name == kSceneInstance ? Part::Instance : name == kScenePositionError ? Part::PositionError : take_suffix(name);
             const bool tangents = e.part == Part::Tangent || e.part == Part::TangentSign;
             if (tangents) e.tangents_by_mesh.resize(surfaces.meshes().size());
             for (size_t m = 0; m < surfaces.meshes().size(); ++m) {
@@ -386,6 +387,8 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                 const Attribute* const a = on_mesh ? e.attribute_by_mesh[m] : nullptr;
                 float v[4] = {};
                 switch (e.part) {
+                    case InputPlan::Part::Instance: out[i] = on_mesh ? static_cast<float>(s.instance) : -1.f; continue;
+                    case InputPlan::Part::PositionError: out[i] = s.error; continue;
                     case InputPlan::Part::Exists: out[i] = a ? 1.f : 0.f; continue;
                     case InputPlan::Part::Alpha:
                         if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
