@@ -65,6 +65,18 @@ def sockets(inputs, count, attributes):
     return params
 
 
+def as_mended(node, case):
+    """The case where the tables hold a defect of the original that Alder mends, in terms that avoid it; None where there are none.
+    (The C++ tests of these nodes hold them against every case, defects included.)"""
+    if node == "alFlowNoise" and case.get("lattice") != "positive":   # negative lattice coordinates wrapped by 255
+        return None
+    if node == "alGaborNoise":
+        if case["params"]["anisotropy"] != "anisotropic":             # random directions to one side only
+            return None
+        return dict(case, params=dict(case["params"], impulses=case["impulsesEffective"]))  # the bits of the float as an integer
+    return case
+
+
 class Case:
     """One request and what its answer must be."""
 
@@ -101,6 +113,9 @@ class Case:
                 self.request["domain"] = "world"
 
     def alshaders(self, case):
+        case = as_mended(self.node, case)
+        if case is None:
+            return
         points = {"count": 1, "attributes": {k: [v] for k, v in (case.get("userData") or {}).items()}}
         points.update({k: [v] for k, v in case.get("globals", {}).items()})
         self.count = 1
@@ -168,7 +183,7 @@ class Case:
                 out.append(ratio)
                 self.hard.append(hard)
             return out, 0.03
-        rule = {"limit": 2e-4, "outliers": 0.0}
+        rule = {"limit": 1e-3 if self.node == "alGaborNoise" else 2e-4, "outliers": 0.0}  # Gabor sums: the specification's own allowance
         if rules is not None:
             rule = {"limit": 1e-5, "outliers": 0.0, "scale": "output"}
             for r in rules:
