@@ -101,9 +101,6 @@ bool is_old(const json& document, int version) {
         if (version && version < 401 && is(node, "ShaderNodeTexNoise")) return true;
         if (node.contains("graph") && is_old(node["graph"], version)) return true;
     }
-    if (document.contains("groups") && document["groups"].is_object())
-        for (const auto& [name, group] : document["groups"].items())
-            if (is_old(group, version)) return true;
     return false;
 }
 
@@ -172,9 +169,6 @@ void upgrade_tree(json& document, int version) {
         else if (is(nodes[name], "ShaderNodeOutputAOV")) collect_aov(document, tree, name);
         if (nodes[name].contains("graph") && is_old(nodes[name]["graph"], version)) upgrade_tree(nodes[name]["graph"], version);
     }
-    if (document.contains("groups") && document["groups"].is_object())
-        for (auto& [name, group] : document["groups"].items())
-            if (is_old(group, version)) upgrade_tree(group, version);
     if (document.contains("outputs")) redirect_outputs(document["outputs"], nodes);
     for (auto& [name, node] : nodes.items())
         if (node.is_object()) node.erase("upgraded_output");

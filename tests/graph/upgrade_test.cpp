@@ -179,9 +179,6 @@ TEST(Upgrade, aov_outputs_become_aovs) {
 TEST(Upgrade, groups_are_upgraded_inside) {
     const json d = upgraded(R"({"nodes": {"g": {"type": "ShaderNodeGroup", "graph": {"nodes": {"v": {"type": "ShaderNodeBsdfVelvet"}}}}}})");
     EXPECT_EQ(d["nodes"]["g"]["graph"]["nodes"]["v"]["type"], "ShaderNodeBsdfSheen");
-    const json e = upgraded(R"({"nodes": {}, "groups": {"G": {"nodes": {"m": {"type": "ShaderNodeTexMusgrave", "params": {"Detail": 0.5}}}, "outputs": {"Value": {"node": "m"}}}}})");
-    EXPECT_EQ(e["groups"]["G"]["nodes"]["m"]["type"], "ShaderNodeTexNoise");
-    EXPECT_EQ(e["groups"]["G"]["outputs"]["Value"]["node"], "m (multiply)");
 }
 
 }  // namespace
