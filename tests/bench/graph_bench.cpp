@@ -46,7 +46,7 @@ json large_graph(int count) {
         if (i % 8 == 0 && !last.empty()) nodes[name]["params"]["Distortion"] = link;
         last = name;
     }
-    nodes["surface"] = {{"type", "alSurface"}, {"params", {{"specular1Roughness", {{"node", last}}}, {"diffuseStrength", 0.7}}}};   // alShaders' links need no output
+    nodes["surface"] = {{"type", "alSurface"}, {"params", {{"specular1Roughness", {{"node", last}, {"output", (count - 2) % 8 == 0 ? "Fac" : "Value"}}}, {"diffuseStrength", 0.7}}}};
     return {{"version", 1}, {"nodes", nodes}, {"outputs", {{"surface", {{"node", "surface"}}}}}};
 }
 
