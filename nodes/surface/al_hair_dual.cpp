@@ -7,8 +7,10 @@
 namespace alder::al_hair {
 namespace {
 
-constexpr float kPi = 3.14159265f, kHalfPi = 1.57079633f;
-constexpr int kGrid = 256;  ///< the original reads its lobes from a grid of this many angles, by truncation
+constexpr double kPi = 3.14159265358979323846, kHalfPi = kPi / 2;
+// The original reads its lobes from a grid of this many angles, by truncation. Its angles are floats and its constants doubles: which
+// cell an angle at an edge falls in depends on that.
+constexpr int kGrid = 256;
 
 /// R, TT and TRT without attenuation at a place of that grid. The glint stands at 35 radians, as in the original.
 struct Lobes {
@@ -21,7 +23,7 @@ struct Lobes {
     }
     std::array<double, 3> around(double phi, double phi_g) const {
         const double c = std::cos(phi / 2);
-        return {c, normal_density(gamma_tt, 3.14159265358979 - phi), c + normal_density(gamma_g, phi - phi_g)};
+        return {c, normal_density(gamma_tt, kPi - phi), c + normal_density(gamma_g, phi - phi_g)};
     }
 };
 
@@ -31,25 +33,26 @@ DualTables::DualTables(const Fibre& f) : fibre(f), forward{}, backward{}, around
     const auto beta = f.beta();
     const Lobes lobes{f.alpha(), {beta[0] * beta[0], beta[1] * beta[1], beta[2] * beta[2]}, f.gamma_tt, f.gamma_g};
     // Which azimuths of the grid the sums meet: accumulated in single precision, whereby the forward sum loses its last term.
-    const float step = kHalfPi / (kAngles - 1);
-    const auto sum_around = [&](float first, float last) {
+    const auto step = static_cast<float>(kHalfPi / (kAngles - 1));
+    const auto sum_around = [&](double first, double last) {
         std::array<double, 3> n{};
-        for (float phi = first; phi <= last; phi += step) {
+        for (auto phi = static_cast<float>(first); phi <= last; phi += step) {
             const int p = std::min(static_cast<int>(phi / kPi * (kGrid - 1)), kGrid - 1);
-            const auto v = lobes.around(p * (3.14159265358979 / (kGrid - 1)), 35.0);
+            const auto v = lobes.around(p * (kPi / (kGrid - 1)), 35.0);
             for (int l = 0; l < 3; ++l) n[l] += v[l];
         }
         return n;
     };
+    const auto angle = [](int i) { return static_cast<float>(i * static_cast<float>(kPi / (kAngles - 1)) - kHalfPi); };
     const auto ahead = sum_around(kHalfPi, kPi), back = sum_around(0, kHalfPi);
     for (int i = 0; i < kAngles; ++i) {
-        const float theta_i = i * (kPi / (kAngles - 1)) - kHalfPi;
+        const float theta_i = angle(i);
         const double cosine = std::max(std::cos(double{theta_i}), 0.0);
         std::array<double, 3> m{};
         for (int r = 0; r < kAngles; ++r) {
-            const float theta_h = (theta_i + (r * (kPi / (kAngles - 1)) - kHalfPi)) * 0.5f;
-            const int t = std::clamp(static_cast<int>((theta_h / kPi + 0.5f) * (kGrid - 1)), 0, kGrid - 1);
-            const auto v = lobes.along(t * (3.14159265358979 / (kGrid - 1)) - 1.57079632679490);
+            const float theta_h = (theta_i + angle(r)) * 0.5f;
+            const int t = std::clamp(static_cast<int>((theta_h / kPi + 0.5) * (kGrid - 1)), 0, kGrid - 1);
+            const auto v = lobes.along(t * (kPi / (kGrid - 1)) - kHalfPi);
             for (int l = 0; l < 3; ++l) m[l] += v[l];
         }
         for (int l = 0; l < 3; ++l) {
@@ -58,13 +61,13 @@ DualTables::DualTables(const Fibre& f) : fibre(f), forward{}, backward{}, around
         }
     }
     // Equation 25: over the azimuths that the light may come from behind; 31 of 32 steps, as in the original.
-    const double width = 3.14159265358979 / (kColumns - 1);
+    const double width = kPi / (kColumns - 1);
     for (int p = 0; p < kColumns; ++p) {
-        const double phi = 1.57079632679490 * (1 + static_cast<double>(p) / (kColumns - 1));
+        const double phi = kHalfPi * (1 + static_cast<double>(p) / (kColumns - 1));
         std::array<double, 3> n{};
         for (int i = 0; i < kColumns - 1; ++i) {
-            double d = phi - (i * width - 1.57079632679490);
-            if (d > 3.14159265358979) d = 2 * 3.14159265358979 - d;
+            double d = phi - (i * width - kHalfPi);
+            if (d > kPi) d = 2 * kPi - d;
             const auto v = lobes.around(d, 0.611);
             for (int l = 0; l < 3; ++l) n[l] += v[l];
         }

@@ -46,7 +46,7 @@ struct AlHairLobe {
         switch (kind) {
             case LobeKind::HairForward: return gaussian(gamma, kPi<T> - phi);
             case LobeKind::HairGlint: return gaussian(gamma, phi - phi_glint);
-            default: return std::cos(phi / 2);
+            default: return std::max(std::cos(phi / 2), T(0));
         }
     }
     /// Half width of the sampler's Cauchy shape. The Gaussians have `gamma` as variance: a Cauchy of their deviation covers them.
@@ -55,7 +55,7 @@ struct AlHairLobe {
     T end(T phi) const { return std::atan((phi - center()) / cauchy()); }
     /// Of |phi| in 0..pi, both signs together.
     T density_around(T phi) const {
-        if (kind == LobeKind::HairGlossy) return std::cos(phi / 2) / 4;
+        if (kind == LobeKind::HairGlossy) return std::max(std::cos(phi / 2), T(0)) / 4;
         const T c = cauchy(), p = phi - center();
         return c / (2 * (end(kPi<T>) - end(0)) * (p * p + c * c));
     }

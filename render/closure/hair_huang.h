@@ -32,7 +32,7 @@ struct SmallRandom {
 
 template <class T>
 struct HuangHair {
-    static constexpr int kConverged = 1 << 14;  ///< rays
+    static constexpr int kConverged = 1 << 16;  ///< rays
 
     Vec3<T> sigma, wo;  ///< wo: in the frame x = major axis or across the view, y = along the fibre
     T alpha, tilt, eta, aspect, h, coverage, r, tt, trt, radius = 1, e2 = 0;
@@ -178,7 +178,7 @@ struct HuangHair {
     Vec3<T> sample_facet(Vec3<T> w, Vec3<T> m, T u1, T u2) const {
         const Frame<T> f = frame_around(m);
         const Vec3<T> wm = f.to_local(w);
-        if (!(wm.z > 0)) return m;
+        if (!(wm.z > T(-0.9999))) return m;  // from below too, as Cycles does: what goes on inside then counts as met
         return f.to_world(Microfacets<T>{Distribution::GGX, alpha, alpha}.sample_visible(wm, u1, u2));
     }
 
@@ -243,8 +243,12 @@ struct HuangHair {
         Sums sums;
         // Converged: the same numbers for every pair of directions, so that the value is a smooth function of them.
         SmallRandom random(converged ? 1 : seed(wi));
-        const int repeats = converged ? std::max(kConverged / simpson.intervals, 64) : 1;
+        T all = 0;
+        for (int i = 0; converged && i <= simpson.intervals; ++i) all += simpson.weight(i) * stretch(gamma_at(simpson.at(i)));
         for (int i = 0; i <= simpson.intervals; ++i) {
+            // The ends weigh most: rays where they matter.
+            const T weight = simpson.weight(i);
+            const int repeats = converged ? std::max(static_cast<int>(kConverged * std::min(weight * stretch(gamma_at(simpson.at(i))) / all, T(1))), 64) : 1;
             double shift[4];
             for (double& v : shift) v = random.uniform<double>();
             for (int k = 0; k < repeats; ++k) {
@@ -256,13 +260,13 @@ struct HuangHair {
                     const double v = shift[c] + k * step;
                     u[c] = std::min(static_cast<T>(v - std::floor(v)), 1 - std::numeric_limits<T>::epsilon() / 2);
                 }
-                pass(wi, simpson.at(i), simpson.weight(i), u, sums);
+                pass(wi, simpson.at(i), weight / repeats, u, sums);
             }
         }
         // Spread over all azimuths, as Chiang et al. spread theirs.
         const Longitudinal<T> along{wi.y, cos_theta(wi), wo.y, cos_theta(wo), 4 * alpha};
         const T everywhere = along.cycles() / kTwoPi<T> * 2 / kPi<T>;
-        return (sums.through / sqr(eta) + sums.rest * everywhere) / T(repeats);
+        return sums.through / sqr(eta) + sums.rest * everywhere;
     }
 
     /// A ray inside, as it leaves the first surface.
@@ -280,10 +284,15 @@ struct HuangHair {
         const T cos_h1 = dot(wo, wh1);
         if (!(cos_h1 > 0)) return;
         s.cos_m1 = dot(wo, m1);
+        // Where the tilt bounds the visible width, the ends of the integral lie on the horizon. Cycles' rounding never sees the
+        // first and sees the last one or not, which a pixel's samples average: half.
+        const bool horizon = std::abs(s.cos_m1) < T(1e-5);
+        if (horizon && offset < 0) return;
+        if (horizon) s.cos_m1 = T(1e-5);
         s.t1 = 1 - fresnel(cos_h1, eta);
         s.wt = refracted(wo, wh1, eta);
         // Cycles asks the refracted ray turned back to be on the viewer's side of the facet.
-        if (!seen(wo, -s.wt, m1, wh1) || !seen(wo, -s.wt, normal(0, s.gamma_i), wh1)) return;
+        if (!(s.cos_m1 > 0) || !(dot(-s.wt, m1) > 0) || !seen(wo, -s.wt, normal(0, s.gamma_i), wh1)) return;
         s.phi_t = phi_of(s.wt);
         s.gamma_t = 2 * to_phi(s.phi_t) - s.gamma_i;
         s.m2 = normal(-tilt, s.gamma_t);
@@ -291,7 +300,7 @@ struct HuangHair {
         s.cos_o1 = dot(-s.wt, m1);
         s.cos_m2 = dot(-s.wt, s.m2);
         s.g1 = shadowing(s.cos_m1, s.cos_o1);
-        s.weight = simpson_weight * stretch(s.gamma_i);
+        s.weight = simpson_weight * stretch(s.gamma_i) * (horizon ? T(0.5) : T(1));
         const T path = circular() ? -2 * std::cos(s.gamma_i - s.phi_t) : chord(s.gamma_i, s.gamma_t + kPi<T>);
         s.a_t = absorbed(std::max(path, T(0)) / std::max(cos_theta(s.wt), T(1e-6)));
         s.scale = energy_scale(s.cos_m1, eta) * energy_scale(s.cos_m2, inverse);

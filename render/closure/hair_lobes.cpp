@@ -20,17 +20,18 @@ BsdfEval<T> eval_dual(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi) 
     const auto i = fibre.angles(wi);
     const T theta_i = std::atan2(i.sin, i.cos), theta_o = std::atan2(fibre.sin_o, fibre.cos_o);
     const T half = (theta_i + theta_o) / 2, difference = (theta_o - theta_i) / 2;
-    const T passed = std::max(view.fibres, T(0)), met = std::max(view.fibre_variance, T(0));
+    const T passed = std::clamp(view.fibres, T(0), T(1e6)), met = std::clamp(view.fibre_variance, T(0), T(1e6));
+    const T ahead = std::clamp(l.p[3], T(0), T(1e6)), back = std::clamp(l.p[4], T(0), T(1e6));
     const T direct = 1 - std::min(passed, T(2)) / 2;
     for (int c = 0; c < 3; ++c) {
-        const T color = l.p[c];
+        const T color = std::clamp(l.p[c], T(0), T(1));
         T f;
         if (l.spec->order == 0) {
-            f = direct > 0 ? direct * l.p[4] * tables->back_scattering(difference, half, T(0), color) : T(0);
+            f = direct > 0 ? direct * back * tables->back_scattering(difference, half, T(0), color) : T(0);
         } else {
-            f = direct < 1 ? (1 - direct) * std::pow(tables->forward_attenuation(theta_i, color), passed) * l.p[3] *
+            f = direct < 1 ? (1 - direct) * std::pow(tables->forward_attenuation(theta_i, color), passed) * ahead *
                                  (tables->forward_scattering(difference, half, std::abs(i.phi), met, color) +
-                                  kPi<T> * l.p[4] * tables->back_scattering(difference, half, met, color))
+                                  kPi<T> * back * tables->back_scattering(difference, half, met, color))
                            : T(0);
         }
         e.f_cos[c] = std::max(f, T(0)) * i.cos / kPi<T>;

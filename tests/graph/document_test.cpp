@@ -39,7 +39,7 @@ TEST(Document, each_fault_has_pointer_code_and_suggestion) {
         {R"({"version": 2, "nodes": {}})", "/graph/version", "unknown-version", ""},
         {R"({"nodes": {}, "output": {}})", "/graph/output", "unknown-member", "outputs"},
         {R"({"nodes": {"a": {"type": "TestProb"}}})", "/graph/nodes/a/type", "unknown-node", "TestProbe"},
-        {R"({"nodes": {"a": {"type": "alMeasured"}}})", "/graph/nodes/a/type", "unsupported-node", ""},
+        {R"({"nodes": {"a": {"type": "ShaderNodeEeveeSpecular"}}})", "/graph/nodes/a/type", "unsupported-node", ""},
         {R"({"nodes": {"a": {"type": "TestProbe", "params": {"inputt": 1}}}})", "/graph/nodes/a/params/inputt", "unknown-parameter", "input"},
         {R"({"nodes": {"a": {"type": "TestProbe", "params": {"input": "x"}}}})", "/graph/nodes/a/params/input", "wrong-type", ""},
         {R"({"nodes": {"a": {"type": "TestProbe", "params": {"input": {"node": "b"}}}}})", "/graph/nodes/a/params/input/node", "unknown-name", ""},
