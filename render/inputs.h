@@ -45,6 +45,8 @@ class InputPlan {
         Alpha,        ///< ".alpha": fourth component, else 1
         Tangent,      ///< ".tangent" of a UV map: as stored, object space
         TangentSign,  ///< ".tangent_sign"
+        StepX,        ///< ":dx": change from pixel to pixel in x (alTriplanar)
+        StepY,        ///< ":dy"
     };
     struct Entry {
         ProgramInput input;
