@@ -119,6 +119,23 @@ void Reader::add_node(const std::string& name, const NodeType* type, const json*
     pending_.push_back({node, j, pointer, pointer + "/params"});
 }
 
+/// alImage: the first #### of the file name becomes the parameter `frame`, in four digits.
+static json with_frame(const json& value, const NodeType& type, const json& params) {
+    const int frame = type.param_index("frame");
+    const bool file = value.is_object() && value.contains("file") && value["file"].is_string();
+    if (frame < 0 || !(value.is_string() || file)) return value;
+    std::string name = (file ? value["file"] : value).get<std::string>();
+    const size_t at = name.find("####");
+    if (at == std::string::npos) return value;
+    const auto given = params.find("frame");
+    const bool number = given != params.end() && given->is_number() && std::fabs(given->get<double>()) < 1e9;
+    const int n = static_cast<int>(number ? given->get<double>() : type.params[frame].number[0]);
+    name.replace(at, 4, fmt::format("{:04d}", n));
+    json named = value;
+    (file ? named["file"] : named) = name;
+    return named;
+}
+
 void Reader::read_params(Pending& p) {
     if (p.node->group) members(*p.source, p.pointer, {"type", "params", "label", "name", "comment", "graph", "group"});
     else members(*p.source, p.pointer, {"type", "params", "label", "name", "comment"});
@@ -141,7 +158,8 @@ void Reader::read_params(Pending& p) {
             continue;
         }
         seen[i] = name;
-        read_value(p.node->type->params[i], value, pointer, p.node->params[i]);
+        const Param& param = p.node->type->params[i];
+        read_value(param, param.type == Type::Image ? with_frame(value, *p.node->type, params) : value, pointer, p.node->params[i]);
     }
 }
 

@@ -112,6 +112,17 @@ struct Batch {
         const Frame f = cycles_frame(points[i].ng);
         return (y ? f.y : f.x) * points[i].footprint;
     }
+    /// How the weights of the triangle's corners change from pixel to pixel.
+    struct CornerSteps {
+        float weight[3] = {};
+    };
+    CornerSteps corner_steps(size_t i, bool y) const {
+        const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
+        const Vec3f e1 = p[1] - p[0], e2 = p[2] - p[0], step = dpdx(i, y), across = cross(e1, e2);
+        const float size = dot(across, across), u = dot(cross(step, e2), across) / size, v = dot(cross(e1, step), across) / size;
+        if (!std::isfinite(u) || !std::isfinite(v)) return {};
+        return {{-u - v, u, v}};
+    }
     Vec3f duvdx(size_t i, bool y) const {
         Vec3f du, dv;
         if (!uv_gradient(i, du, dv)) return Vec3f(0.f);
@@ -295,7 +306,8 @@ bool is_constant(Global g) {
     return (g >= Global::WorldToCameraX && g <= Global::WorldToCameraZ) || g == Global::Time || g == Global::Ld;
 }
 
-void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, float* out) {
+/// The sum over the corners of the triangle by `weight`; what is not stored at corners or points is weighted by their sum.
+void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, const float (&weight)[3], float* out) {
     const auto read = [&](size_t element, float weight) {
         for (int c = 0; c < a.channels; ++c) {
             const size_t k = element * a.channels + c;
@@ -303,10 +315,10 @@ void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, fl
         }
     };
     std::fill(out, out + 4, 0.f);
-    const float weight[3] = {1 - s.u - s.v, s.u, s.v};
+    const float sum = weight[0] + weight[1] + weight[2];
     switch (a.domain) {
-        case Domain::Mesh: return read(0, 1);
-        case Domain::Face: return read(s.triangle, 1);
+        case Domain::Mesh: return read(0, sum);
+        case Domain::Face: return read(s.triangle, sum);
         case Domain::Point:
             for (int k = 0; k < 3; ++k) read(mesh.triangles[s.triangle][k], weight[k]);
             return;
@@ -314,6 +326,9 @@ void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, fl
             for (int k = 0; k < 3; ++k) read(size_t{3} * s.triangle + k, weight[k]);
             return;
     }
+}
+void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, float* out) {
+    interpolate(a, mesh, s, {1 - s.u - s.v, s.u, s.v}, out);
 }
 
 }  // namespace
@@ -324,7 +339,9 @@ InputPlan::Part take_suffix(std::string_view& name) {
     constexpr std::pair<std::string_view, InputPlan::Part> kSuffixes[] = {{kExistsSuffix, InputPlan::Part::Exists},
                                                                           {".alpha", InputPlan::Part::Alpha},
                                                                           {".tangent", InputPlan::Part::Tangent},
-                                                                          {".tangent_sign", InputPlan::Part::TangentSign}};
+                                                                          {".tangent_sign", InputPlan::Part::TangentSign},
+                                                                          {":dx", InputPlan::Part::StepX},
+                                                                          {":dy", InputPlan::Part::StepY}};
     for (const auto& [suffix, part] : kSuffixes)
         if (name.ends_with(suffix)) {
             name.remove_suffix(suffix.size());
@@ -409,6 +426,11 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                     }
                     case InputPlan::Part::TangentSign:
                         out[i] = !on_mesh || !e.tangents_by_mesh[m] ? batch.tangent_sign(i) : e.tangents_by_mesh[m]->signs[size_t{3} * s.triangle];
+                        continue;
+                    case InputPlan::Part::StepX:
+                    case InputPlan::Part::StepY:
+                        if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, batch.corner_steps(i, e.part == InputPlan::Part::StepY).weight, v);
+                        for (int c = 0; c < width; ++c) out[rows * c + i] = c < 3 && a ? converted(v, a->channels, width, c) : 0.f;
                         continue;
                     case InputPlan::Part::Value: break;
                 }

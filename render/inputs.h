@@ -47,6 +47,8 @@ class InputPlan {
         TangentSign,  ///< ".tangent_sign"
         Instance,       ///< "scene:instance" (nodes/input/scene_query.h); negative: none
         PositionError,  ///< "scene:position_error"
+        StepX,        ///< ":dx": change from pixel to pixel in x (alTriplanar)
+        StepY,        ///< ":dy"
     };
     struct Entry {
         ProgramInput input;

@@ -90,7 +90,8 @@ ALDER_NODE {
     n.summary = "cellular features or chips";
     n.help = "features: the difference of the distances to the second nearest and the nearest feature point, averaged over the octaves (at most 64), "
              "remapped, between the two colours. chips: each cell one of five colours, by probability, or a colour of its own. The feature points "
-             "are ours: Arnold's are not public.";
+             "are ours: Arnold's are not public. Single against double precision, unclamped, median (99 % of points): features 2e-8 (8e-8) out to 1e6; "
+             "0.05 (0.3) at frequency 1e5, where the product is rounded before cells are found.";
     n.params = {pattern_space_param("world"),
                 f("frequency", 1).range(0, 10).doc("multiplies the point: cells a unit"),
                 choice("mode", {"features", "chips"}, "features").doc("what is shown"),

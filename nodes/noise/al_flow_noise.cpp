@@ -57,7 +57,8 @@ ALDER_NODE {
     n.help = "The sum is not divided by the amplitudes; at most 64 octaves. The noise is the original's own, number for number, save one defect: "
              "it wrapped negative lattice coordinates by 255 in place of 256, which left a seam at 0 and shifted the pattern on the negative side; "
              "here the pattern goes through. Its floor of exact whole numbers, one too low from 0 down, is kept (no visible effect). "
-             "Coordinates beyond 5e8 (times frequency and lacunarity) count as 5e8.";
+             "Coordinates beyond 5e8 (times frequency and lacunarity) count as 5e8. Single against double precision, unclamped, median (99 % of points): "
+             "6e-6 (4e-5) near the origin, 0.002 (0.009) at 1e4, 0.1 (0.5) at 1e6, 0.2 (0.9) at frequency 1e5: the fine octaves' points are rounded.";
     n.params = {pattern_space_param("UV"),
                 f("frequency", 1).range(0, 10).doc("multiplies the point"),
                 i("octaves", 4).range(1, 16).no_link().doc("number of noises summed"),

@@ -69,7 +69,8 @@ ALDER_NODE {
     n.category = "pattern";
     n.summary = "fractal sum of gradient noise";
     n.help = "The sum is not divided by the amplitudes; at most 64 octaves. Vector mode writes three remapped noises and leaves the colours out. "
-             "The noise is ours: Arnold's is not public.";
+             "The noise is ours: Arnold's is not public. Single against double precision, unclamped, median (99 % of points): "
+             "3e-6 (2e-5) near the origin, 0.001 (0.006) at 1e4, 0.05 (0.2) at 1e6, 0.09 (0.4) at frequency 1e5: the fine octaves' points are rounded.";
     n.params = {choice("mode", {"scalar", "vector"}, "scalar").doc("one noise between the colours, or three noises as red, green and blue"),
                 pattern_space_param("world"),
                 f("frequency", 1).range(0, 10).doc("multiplies the point"),

@@ -57,7 +57,8 @@ ALDER_NODE {
     n.help = "Sparse Gabor convolution: 1 to 32 waves within the reach of an envelope, the mean of which is `impulses`. The noise is the original's own, "
              "number for number, save two defects: it read the bits of `impulses` as an integer, so that any value above 0 acted as 32 "
              "(set 32 for the look of old scenes), and the cosine of its random directions was never negative, so that isotropic and "
-             "hybrid waves all pointed to one side. Both are mended. `filter` has no effect, as in the original.";
+             "hybrid waves all pointed to one side. Both are mended. `filter` has no effect, as in the original. Single against double precision, unclamped, median (99 % of points): "
+             "2e-6 (1e-5) near the origin, 0.001 (0.007) at 1e4, 0.09 (0.5) at 1e6, 0.1 (0.6) at frequency 1e5: the point over the radius is rounded.";
     n.params = {pattern_space_param("world"),
                 f("frequency", 1).range(0, 10).doc("multiplies the point"),
                 choice("anisotropy", {"isotropic", "anisotropic", "hybrid"}, "isotropic")

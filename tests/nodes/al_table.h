@@ -51,7 +51,8 @@ inline double al_error(double got, double want) {
 class BasisReplay {
   public:
     explicit BasisReplay(const nlohmann::json& calls) : calls_(calls) {}
-    const nlohmann::json& next(const char* fn, std::vector<float> args) const {
+    /// `size`: of the terms that an argument is a sum of, where they may cancel.
+    const nlohmann::json& next(const char* fn, std::vector<float> args, double size = 0) const {
         static const nlohmann::json none = {0, 0, 0};
         if (next_ >= calls_.size()) {
             ADD_FAILURE() << fn << " is called once too often";
@@ -60,7 +61,7 @@ class BasisReplay {
         const auto& call = calls_[next_++];
         EXPECT_EQ(call["fn"], fn);
         for (size_t i = 0; i < args.size() && i < call["args"].size(); ++i)
-            EXPECT_LE(al_error(args[i], al_number(call["args"][i])), 1e-5) << fn << " argument " << i << " of call " << next_ - 1;
+            EXPECT_LE(size > 0 ? std::fabs(args[i] - al_number(call["args"][i])) / size : al_error(args[i], al_number(call["args"][i])), 1e-5) << fn << " argument " << i << " of call " << next_ - 1;
         return call["value"];
     }
     bool finished() const { return next_ == calls_.size(); }
