@@ -7,6 +7,7 @@
 
 #include "graph/builtin_ops.h"
 #include "graph/json_text.h"
+#include "nodes/resource_faults.h"
 
 namespace alder {
 namespace {
@@ -38,6 +39,8 @@ class NodeLowering final : public Lowering {
         if (b_.variants_[variant_].depth >= kMaxNestedBump) return input(param);
         return keep(b_.param_value(node_, param, b_.variant_of(variant_, direction, refs_[width.id].ch[0])));
     }
+    bool filters_textures() const override { return b_.filters_textures_; }
+    bool fades_noise() const override { return b_.fades_noise_; }
     ValueRef global(Global g) override { return keep(b_.global_value(g, variant_)); }
     ValueRef attribute(const std::string& name, Type type) override {
         IrRef r{type, {}};
@@ -57,10 +60,22 @@ class NodeLowering final : public Lowering {
         for (int i = 0; i < channels(type); ++i) r.ch[i] = b_.built_.ir.literal(v[i]);
         return keep(r);
     }
+    ValueRef displaced_global(Global g, int direction, ValueRef width) override {
+        if (b_.variants_[variant_].depth >= kMaxNestedBump) return global(g);
+        return keep(b_.global_value(g, b_.variant_of(variant_, direction, refs_[width.id].ch[0])));
+    }
     ValueRef call(std::span<const ValueRef> params, int output) override {
-        const NodeType& type = *statics_->type;
         std::vector<int> in = flat(params);
         b_.push_globals(*statics_, variant_, in);
+        return call_with(std::move(in), output);
+    }
+    ValueRef call(std::span<const ValueRef> params, std::span<const ValueRef> globals, int output) override {
+        std::vector<int> in = flat(params), more = flat(globals);
+        in.insert(in.end(), more.begin(), more.end());
+        return call_with(std::move(in), output);
+    }
+    ValueRef call_with(std::vector<int> in, int output) {
+        const NodeType& type = *statics_->type;
         int outs = 0, first = 0;
         for (size_t i = 0; i < type.outputs.size(); ++i) {
             if (static_cast<int>(i) == output) first = outs;
@@ -132,6 +147,33 @@ class NodeLowering final : public Lowering {
     bool has_result_ = false;
 };
 
+std::string Builder::pointer_to(int node, const std::string& param) const {
+    const int parent = built_.nodes[node].parent;
+    return options_.pointer_prefix + (parent < 0 ? "" : at(parent).group->pointer) + "/nodes/" + pointer_token(at(node).name) +
+           (param.empty() ? "" : "/params/" + pointer_token(param));
+}
+
+/// "PARAMETER: SENTENCE", "PARAMETER.MEMBER: FOUND\nEXPECTED\nSUGGESTION", or a sentence about the node.
+Diagnostic Builder::prepare_fault(int node, const std::string& text) const {
+    const DocNode& n = at(node);
+    const auto colon = text.find(':');
+    std::string name = colon == std::string::npos ? std::string() : text.substr(0, colon), member;
+    if (const auto dot = name.find('.'); dot != std::string::npos) {
+        member = "/" + pointer_token(name.substr(dot + 1));
+        name.resize(dot);
+    }
+    const int param = n.type->param_index(name);
+    if (param < 0) return {pointer_to(node), "invalid-value", text, "a usable " + n.type->name, ""};
+    Diagnostic d{pointer_to(node, n.type->params[param].name) + member, "invalid-value", text.substr(colon + 2), "a usable " + n.type->name, ""};
+    if (const auto line = d.found.find('\n'); line != std::string::npos) {
+        const auto second = d.found.find('\n', line + 1);
+        d.expected = d.found.substr(line + 1, second - line - 1);
+        if (second != std::string::npos) d.suggest = d.found.substr(second + 1);
+        d.found.resize(line);
+    }
+    return d;
+}
+
 std::shared_ptr<const Statics> Builder::statics(int node) {
     const DocNode& n = at(node);
     NodeStatics& slot = statics_[&n];
@@ -153,12 +195,14 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
         s->prepared = n.type->prepare(*s, errors);
         for (LobeSpec& l : s->lobes) l.prepared = s->prepared;
         for (const auto& e : errors) {
-            const auto colon = e.find(':');
-            const int param = colon == std::string::npos ? -1 : n.type->param_index(e.substr(0, colon));
-            const int parent = built_.nodes[node].parent;
-            const std::string pointer = options_.pointer_prefix + (parent < 0 ? "" : at(parent).group->pointer) + "/nodes/" + pointer_token(n.name) + (param >= 0 ? "/params/" + pointer_token(n.type->params[param].name) : "");
-            if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back({pointer, "invalid-value", param >= 0 ? e.substr(colon + 2) : e, "a usable " + n.type->name, ""});
+            if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back(prepare_fault(node, e));
         }
+        if (const auto* resources = dynamic_cast<const ResourceFaults*>(s->prepared.get()))
+            for (const auto& f : resources->faults) {
+                auto& list = options_.strict ? d_.errors : d_.warnings;
+                const std::string shown = options_.strict ? "a file that can be read" : "a file that can be read; it is rendered magenta";
+                if (list.size() < kMaxDiagnostics) list.push_back({pointer_to(node, f.parameter), "asset-unreadable", f.file + ": " + f.reason, shown, ""});
+            }
     }
     slot.statics = s;
     return s;
@@ -553,6 +597,8 @@ void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
 }
 
 void Builder::build(const ProgramRequest& request) {
+    filters_textures_ = request.filter_textures;
+    fades_noise_ = request.fade_noise;
     const auto add = [&](const std::string& name, IrRef r) {
         built_.outputs.push_back(r);
         built_.output_names.push_back(name);

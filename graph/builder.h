@@ -92,6 +92,8 @@ class Builder {
     std::vector<int> kernel_operands(int node, const Statics& s, int variant, uint64_t lobes, std::vector<LazyUse>& lazy);
     int lazy_guard(const LazyRule& rule, IrRef selector, IrRef second, bool& needed, bool& always);
     std::shared_ptr<const Statics> statics(int node);
+    std::string pointer_to(int node, const std::string& param = {}) const;
+    Diagnostic prepare_fault(int node, const std::string& text) const;
     int variant_of(int parent, int direction, int width);
     int op1(const char* name, const Kernel& kernel, std::vector<int> in);
 
@@ -114,6 +116,7 @@ class Builder {
         int node;   ///< the first that asked
     };
     std::unordered_map<const DocNode*, NodeStatics> statics_;   ///< shared by all uses of a group: its tables are baked once
+    bool filters_textures_ = false, fades_noise_ = false;
     LobeFilter filter_ = LobeFilter::None;  ///< of the closures being built
     // While an alder AOV is collected along the closure tree instead of lobes:
     bool collecting_aov_ = false;

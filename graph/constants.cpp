@@ -140,11 +140,17 @@ bool read_constant(const Param& param, const json& value, const std::string& poi
             if (options.resolve_image) {
                 std::string why;
                 const std::string path = options.resolve_image(image, why);
-                if (path.empty()) {
+                const bool absent = path.empty() && image.contains("file") && why.ends_with(kNoSuchFile);
+                if (path.empty() && (!absent || options.strict)) {
                     d.errors.push_back({pointer, "asset-missing", shown_json(value), why.empty() ? "an image that can be read" : why, ""});
                     return false;
                 }
-                image["file"] = path;
+                if (absent) {
+                    d.warnings.push_back({pointer, "asset-missing", shown_json(value), why + "; it is rendered magenta", ""});
+                    image["missing"] = why;
+                } else {
+                    image["file"] = path;
+                }
             }
             out.text = image.dump();
             break;

@@ -22,6 +22,11 @@ class Lowering {
     /// The same, evaluated with the shading point displaced along dPdx (1) or dPdy (2) times `filter_width`: P, Po, uv,
     /// Generated move by their per-pixel change. For bump.
     virtual ValueRef displaced_input(int param, int direction, ValueRef filter_width) = 0;
+    /// A global seen from there.
+    virtual ValueRef displaced_global(Global g, int direction, ValueRef filter_width) = 0;
+    /// Whether image lookups take the mip level of the pixel's footprint, and noise fades where it is too fine for it.
+    virtual bool filters_textures() const = 0;
+    virtual bool fades_noise() const = 0;
     virtual ValueRef global(Global g) = 0;
     /// Geometry attribute by name.
     virtual ValueRef attribute(const std::string& name, Type type) = 0;
@@ -31,6 +36,8 @@ class Lowering {
     /// The node's own kernel run as one op on explicit operands (in the order of OpCall::in); returns output `output`.
     /// Operands replace the parameters; `globals` of the node follow automatically.
     virtual ValueRef call(std::span<const ValueRef> params, int output) = 0;
+    /// The same with values of the caller's in place of NodeType::globals, of as many channels.
+    virtual ValueRef call(std::span<const ValueRef> params, std::span<const ValueRef> globals, int output) = 0;
     /// Another kernel with its own operand list: for helper ops a node file defines. `name` identifies it (CSE, dump).
     virtual ValueRef op(const char* name, const Kernel& kernel, std::span<const ValueRef> operands, Type result) = 0;
     virtual ValueRef convert(ValueRef v, Type to) = 0;

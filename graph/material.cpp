@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <list>
 #include <mutex>
+#include <map>
 #include <unordered_map>
 
 #include "graph/code.h"
@@ -123,6 +124,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         document->digest.clear();
         auto m = std::make_shared<MaterialImpl>(document, base_json_, options_);
         m->edits_ = edits_;
+        m->add_file_faults(file_faults());
         m->edits_.emplace_back(nlohmann::json::json_pointer("/nodes/" + pointer_token(parts[1]) + "/params/" + pointer_token(parts[3])), value);
         if (m->edits_.size() > 256) {  // keep the chain short: write the edits into a document of its own
             m->base_json_ = std::make_shared<nlohmann::json>(m->document());
@@ -144,6 +146,16 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         return names;
     }
     size_t node_count() const override { return document_->nodes.size(); }
+    std::vector<Diagnostic> file_faults() const override {
+        std::lock_guard lock(mutex_);
+        std::vector<Diagnostic> faults;
+        for (const auto& [pointer, fault] : unreadable_) faults.push_back(fault);
+        return faults;
+    }
+    void add_file_faults(const std::vector<Diagnostic>& warnings) {
+        for (const Diagnostic& w : warnings)
+            if (w.code == "asset-missing" || w.code == "asset-unreadable") unreadable_.try_emplace(w.pointer, w);
+    }
     const std::string& digest() const override {
         std::lock_guard lock(mutex_);
         if (digest_.empty()) digest_ = document_->digest.empty() ? content_digest(document_json()) : document_->digest;
@@ -188,11 +200,18 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         const auto work = [&] { Builder(*document_, built, d, options_).build(request); };
         if (document_->expanded > kInlineNodes) on_large_stack(work);
         else work();
+        say_once(d);
         if (d.errors.size() > errors) return nullptr;
         IrValues values = built.ir.values;
         auto code = std::const_pointer_cast<Code>(generate_code(std::move(built)));
         code->stats.compile_seconds = seconds_since(start);
         return std::make_shared<ProgramImpl>(code, std::move(values));
+    }
+
+    /// Every program opens the same files: what could not be read is said once.
+    void say_once(Diagnostics& d) const {
+        std::lock_guard lock(mutex_);
+        std::erase_if(d.warnings, [&](const Diagnostic& w) { return w.code == "asset-unreadable" && !unreadable_.try_emplace(w.pointer, w).second; });
     }
 
     /// Programs of this material that hold for `to` as well, which differs in one constant.
@@ -214,15 +233,18 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     mutable std::mutex mutex_;
     mutable std::vector<std::pair<ProgramRequest, std::shared_ptr<const ProgramImpl>>> programs_;
     mutable std::unique_ptr<nlohmann::json> edited_json_;
+    mutable std::map<std::string, Diagnostic> unreadable_;
     mutable std::string digest_;
 };
 
 }  // namespace
 
 std::shared_ptr<const Material> build_material(const nlohmann::json& json, const MaterialOptions& options, Diagnostics& d) {
+    const size_t before = d.warnings.size();
     auto document = read_document(json, options, d);
     if (!document) return nullptr;
     auto m = std::make_shared<MaterialImpl>(document, std::make_shared<nlohmann::json>(json), options);
+    m->add_file_faults({d.warnings.begin() + static_cast<std::ptrdiff_t>(before), d.warnings.end()});
     // Compile what a render needs at once: faults in ramps and images show here, before the first ray.
     ProgramRequest request;
     request.surface = LobeFilter::Surface;
@@ -250,6 +272,7 @@ MaterialCache::~MaterialCache() = default;
 std::shared_ptr<const Material> MaterialCache::get(const nlohmann::json& document, const MaterialOptions& options, Diagnostics& d) {
     std::string key = content_digest(document);
     key += options.lenient ? "L" : "S";
+    if (options.strict) key += "!";
     {
         std::lock_guard lock(impl_->mutex);
         if (const auto it = impl_->by_key.find(key); it != impl_->by_key.end()) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "graph/diagnostic.h"
@@ -22,8 +23,12 @@ struct GraphLimits {
     size_t expanded = 100000;              ///< nodes when every group is written out
 };
 
+/// How a reason of resolve_image ends where a file is simply not there: the image is magenta then, which is a warning.
+inline constexpr std::string_view kNoSuchFile = "there is no such file";
+
 struct MaterialOptions {
     bool lenient = false;          ///< unknown parameters warn instead of failing
+    bool strict = false;           ///< files that are missing or broken are errors, not warnings
     std::string pointer_prefix;    ///< prepended to every JSON Pointer ("/graph", "/materials/body")
     GraphLimits limits;
     /// Turns {"file"|"asset": ...} or an alShaders file name into a readable path; empty + message where it may not be read.
@@ -40,6 +45,8 @@ struct ProgramRequest {
     bool displacement = false;
     std::vector<std::string> outputs;  ///< "NODE.OUTPUT" or "NODE"; order of Program::outputs
     std::vector<std::string> aovs;     ///< names of the graph's `aovs`, or of AOVs that closure nodes carry ("id_1")
+    bool filter_textures = false;      ///< image lookups take the mip level that the pixel's footprint asks for
+    bool fade_noise = false;           ///< octaves of noise that are too fine for the footprint fade to their mean
     bool operator==(const ProgramRequest&) const = default;
 };
 
@@ -56,6 +63,8 @@ class Material {
     virtual bool has_displacement() const = 0;
     virtual std::vector<std::string> aov_names() const = 0;   ///< the graph's own `aovs`
     virtual size_t node_count() const = 0;
+    /// Files of its programs so far that are missing or broken, as they were warned of: for requests that will not have it.
+    virtual std::vector<Diagnostic> file_faults() const = 0;
     /// Digest of the document's content (128 bit, hex): the cache key.
     virtual const std::string& digest() const = 0;
 };

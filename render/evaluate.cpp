@@ -316,7 +316,7 @@ json evaluate_request(const json& request, const EvaluateOptions& options, Diagn
         error("", "wrong-type", "not an object", "{\"graph\", \"points\", \"outputs\", \"closure\"}");
         return nullptr;
     }
-    const std::vector<std::string> known{"graph", "points", "outputs", "closure", "domain", "lenient", "precision", "stats", "repeat"};
+    const std::vector<std::string> known{"graph", "points", "outputs", "closure", "domain", "lenient", "strict", "texture_filter", "noise_filter", "precision", "stats", "repeat"};
     const bool lenient = request.contains("lenient") && request["lenient"] == true;
     for (const auto& [key, value] : request.items())
         if (std::find(known.begin(), known.end(), key) == known.end()) {
@@ -327,6 +327,12 @@ json evaluate_request(const json& request, const EvaluateOptions& options, Diagn
     EvaluateOptions o = options;
     o.material.lenient = lenient;
     o.material.pointer_prefix = at("/graph");
+    const auto flag = [&](const char* name) {
+        if (!request.contains(name)) return false;
+        if (!request[name].is_boolean()) error(std::string("/") + name, "wrong-type", request[name].dump(), "true or false");
+        return request[name] == true;
+    };
+    o.material.strict = flag("strict");
     if (request.contains("precision")) {
         if (request["precision"] == "double") o.precision = EvaluateOptions::Precision::Double;
         else if (request["precision"] != "float") error("/precision", "wrong-type", request["precision"].dump(), "\"float\" or \"double\"");
@@ -368,7 +374,9 @@ json evaluate_request(const json& request, const EvaluateOptions& options, Diagn
         if (c.contains("sample")) read_triples(c["sample"], points->count(), at("/closure/sample"), closure.sample, d);
         if (!c.contains("wi") && !c.contains("sample")) error("/closure", "missing", "neither wi nor sample", "wi, sample or both");
     }
-    ProgramRequest values;
+    ProgramRequest values, surface{.surface = LobeFilter::Scatter | LobeFilter::Emission};
+    values.filter_textures = surface.filter_textures = flag("texture_filter");
+    values.fade_noise = surface.fade_noise = flag("noise_filter");
     if (request.contains("outputs")) {
         const json& list = request["outputs"];
         if (!list.is_array()) error("/outputs", "wrong-type", "not a list", "a list of NODE.OUTPUT");
@@ -390,10 +398,11 @@ json evaluate_request(const json& request, const EvaluateOptions& options, Diagn
             e.pointer = e.pointer == "/outputs" ? at("/outputs") : e.pointer;
             if (d.errors.size() < kMaxDiagnostics) d.errors.push_back(e);
         }
+        d.warnings.insert(d.warnings.end(), local.warnings.begin(), local.warnings.end());
     }
     if (closure.wanted) {
         if (!material->has_surface()) error("/closure/output", "unknown-output", "surface", "a graph with a surface output");
-        else surface_program = material->program({.surface = LobeFilter::Scatter | LobeFilter::Emission}, d);
+        else surface_program = material->program(surface, d);
     }
     if (!d.ok()) return nullptr;
     json answer = o.precision == EvaluateOptions::Precision::Double ? evaluate<double>(value_program, surface_program, *points, closure, o)

@@ -110,7 +110,7 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
     const auto compile_start = std::chrono::steady_clock::now();
     for (const SceneMaterial& m : scene->materials) {
         warn_about_displacement(m, d);
-        p->materials.push_back(compile_material(m, *p->surfaces, d));
+        p->materials.push_back(compile_material(m, *p->surfaces, scene->settings, d));
     }
     p->lamps = scene->lights;
     for (size_t i = 0; i < scene->lights.size(); ++i) {
@@ -119,7 +119,7 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
             p->light_programs.push_back(nullptr);
             continue;
         }
-        const auto m = compile_material({light.name, light.graph, 0}, *p->surfaces, d);
+        const auto m = compile_material({light.name, light.graph, 0}, *p->surfaces, scene->settings, d);
         const bool constant = m && (!m->emission || m->emission_constant);
         if (constant) p->lamps[i].color *= m->emission_value;  // the graph is a factor; black where it does not emit
         p->light_programs.push_back(constant || !m ? nullptr : m->emission);
@@ -148,7 +148,7 @@ std::shared_ptr<const PreparedScene> with_material(const std::shared_ptr<const P
     SceneMaterial changed = base->materials[material]->material;
     changed.graph = std::move(graph);
     warn_about_displacement(changed, d);
-    p->materials[material] = compile_material(changed, *p->surfaces, d);
+    p->materials[material] = compile_material(changed, *p->surfaces, p->scene->settings, d);
     if (!p->materials[material]) return nullptr;
     p->compile_seconds = seconds_since(start);
     finish(*p);

@@ -33,7 +33,8 @@ const std::set<std::string>& closure_aov_names() {
 
 }  // namespace
 
-std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& material, const Surfaces& surfaces, Diagnostics& d) {
+std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& material, const Surfaces& surfaces, const RenderSettings& settings,
+                                                         Diagnostics& d) {
     auto m = std::make_shared<MaterialPrograms>();
     m->material = material;
     if (!material.graph || !material.graph->has_surface()) return m;
@@ -41,6 +42,8 @@ std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& ma
     const auto compile = [&](LobeFilter lobes) {
         ProgramRequest request;
         request.surface = lobes;
+        request.filter_textures = settings.texture_filter;
+        request.fade_noise = settings.noise_filter;
         return material.graph->program(request, own);
     };
     const auto surface = compile(LobeFilter::Surface);
@@ -62,7 +65,7 @@ std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& ma
     return m;
 }
 
-std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& material, const Surfaces& surfaces,
+std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& material, const Surfaces& surfaces, const RenderSettings& settings,
                                                       const std::vector<std::string>& names, std::vector<std::string>& present) {
     present.clear();
     if (!material.graph || !material.graph->has_surface()) return nullptr;
@@ -74,8 +77,21 @@ std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& mater
     ProgramRequest request;
     request.surface = LobeFilter::Surface;
     request.aovs = present;
+    request.filter_textures = settings.texture_filter;
+    request.fade_noise = settings.noise_filter;
     Diagnostics d;
     return resolved(material.graph->program(request, d), surfaces);
+}
+
+void require_files(const Scene& scene, Diagnostics& d) {
+    const auto add = [&](const std::shared_ptr<const Material>& graph) {
+        if (!graph) return;
+        for (Diagnostic& fault : graph->file_faults())
+            if (d.errors.size() < kMaxDiagnostics) d.errors.push_back(std::move(fault));
+    };
+    for (const SceneMaterial& m : scene.materials) add(m.graph);
+    for (const Light& l : scene.lights) add(l.graph);
+    add(scene.world.graph);
 }
 
 }  // namespace alder

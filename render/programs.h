@@ -25,9 +25,13 @@ struct MaterialPrograms {
 };
 
 /// Faults are in `d`, with the material's name as the pointer's prefix; null then.
-std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& material, const Surfaces& surfaces, Diagnostics& d);
+std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& material, const Surfaces& surfaces, const RenderSettings& settings,
+                                                         Diagnostics& d);
 /// The surface program that also computes AOVs (names the material does not have are left out of `present`).
-std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& material, const Surfaces& surfaces,
+std::shared_ptr<const SceneProgram> compile_with_aovs(const SceneMaterial& material, const Surfaces& surfaces, const RenderSettings& settings,
                                                       const std::vector<std::string>& names, std::vector<std::string>& present);
+
+/// Files of the scene's graphs that are missing or broken, as errors: for renders that are to be strict.
+void require_files(const Scene& scene, Diagnostics& d);
 
 }  // namespace alder

@@ -51,7 +51,7 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
     for (size_t i = 0; i < s.materials.size(); ++i) {
         surface[i].plain = surface[i].with_aovs = s.materials[i]->surface.get();
         if (names.empty()) continue;
-        auto program = compile_with_aovs(s.materials[i]->material, *s.surfaces, names, present[i]);
+        auto program = compile_with_aovs(s.materials[i]->material, *s.surfaces, settings, names, present[i]);
         if (!program) continue;
         surface[i].with_aovs = program.get();
         for (size_t k = 0; k < present[i].size(); ++k) {

@@ -114,6 +114,8 @@ struct RenderSettings {
     float filter_width = 1;   ///< pixels; 1 with Box is the pixel itself
     enum class Filter : uint8_t { Box, Gaussian, BlackmanHarris } filter = Filter::Box;
     bool caustics_reflective = true, caustics_refractive = true;
+    bool texture_filter = false;  ///< image textures take the mip level of the ray's footprint
+    bool noise_filter = false;    ///< octaves of noise that are finer than the ray's footprint fade
     /// How light is found: by sampling lights, by scattered rays that meet them, or both, weighted. The single ones are for
     /// finding out where noise comes from, and for tests: all three have the same mean.
     enum class LightStrategy : uint8_t { Both, Lights, Scattering } light_strategy = LightStrategy::Both;

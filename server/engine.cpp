@@ -22,13 +22,14 @@ namespace {
 constexpr size_t kDressedMost = 16;   // stages with a material on, each a few megabytes of programs and light tables
 
 /// Whether `name` is a regular file beneath `root`, reached without any symbolic link.
-bool is_beneath(const std::string& root, const std::string& name) {
+bool is_beneath(const std::string& root, const std::string& name, bool& absent) {
     const int folder = ::open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (folder < 0) return false;
     open_how how{};
     how.flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
     how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
     const int fd = static_cast<int>(syscall(SYS_openat2, folder, name.c_str(), &how, sizeof how));
+    if (fd >= 0 || errno != ENOENT) absent = false;
     ::close(folder);
     if (fd < 0) return false;
     struct stat info{};
@@ -57,8 +58,10 @@ std::string Engine::resolve_file(const std::string& name, std::string& error) co
         error = "only relative names below an asset root are served";
         return {};
     }
+    bool absent = true;
     for (const std::string& root : asset_roots_)
-        if (is_beneath(root, name)) return root + "/" + name;
+        if (is_beneath(root, name, absent)) return root + "/" + name;
+    if (absent) return error = fmt::format("'{}': {}", name, kNoSuchFile), std::string();
     error = fmt::format("'{}' is not a file below an asset root (symbolic links are not followed)", name);
     return {};
 }
@@ -88,10 +91,11 @@ std::string Engine::resolve(const nlohmann::json& image, std::string& error, std
     return {};
 }
 
-std::shared_ptr<const Material> Engine::material(const nlohmann::json& graph, const std::string& prefix, bool lenient, Diagnostics& d) {
+std::shared_ptr<const Material> Engine::material(const nlohmann::json& graph, const std::string& prefix, bool lenient, Diagnostics& d, bool strict) {
     std::vector<std::string> missing;
     MaterialOptions options;
     options.lenient = lenient;
+    options.strict = strict;
     options.pointer_prefix = prefix;
     options.resolve_image = [&](const nlohmann::json& image, std::string& error) { return resolve(image, error, &missing); };
     auto material = materials_.get(graph, options, d);

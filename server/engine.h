@@ -21,8 +21,8 @@ class Engine {
     Engine(AssetStore& assets, std::vector<std::string> asset_roots, int threads);
 
     /// Compiles a graph, or finds it. `prefix` leads the pointers of faults. Throws graph-invalid, or asset-missing with all
-    /// of them; warnings are left in `d`.
-    std::shared_ptr<const Material> material(const nlohmann::json& graph, const std::string& prefix, bool lenient, Diagnostics& d);
+    /// of them; warnings are left in `d`. `strict`: files that are missing or broken are errors.
+    std::shared_ptr<const Material> material(const nlohmann::json& graph, const std::string& prefix, bool lenient, Diagnostics& d, bool strict = false);
     /// A preview stage wearing the material: geometry and BVH are built once a stage, a warm call costs no more than lights
     /// and programs of the material. Throws graph-invalid or settings-invalid.
     std::shared_ptr<const PreparedScene> stage(const std::string& name, std::shared_ptr<const Material> material, Diagnostics& d);

@@ -94,6 +94,8 @@ http::Response post_validate(Service& s, http::Request& request) {
     const nlohmann::json* graph = m.require("graph", "a graph document");
     bool lenient = false;
     m.boolean("lenient", lenient);
+    bool strict = false;
+    m.boolean("strict", strict);
     m.finish(lenient);
     if (!faults.ok()) throw problem_from("request-invalid", faults);
     http::Response response;
@@ -101,7 +103,7 @@ http::Response post_validate(Service& s, http::Request& request) {
         Diagnostics d = faults;   // of the request itself: warnings only, here
         std::shared_ptr<const Material> material;
         try {
-            material = s.engine.material(*graph, "/graph", lenient, d);
+            material = s.engine.material(*graph, "/graph", lenient, d, strict);
         } catch (const Problem& p) {
             if (p.type != "graph-invalid") throw;   // what is wrong with the graph is the answer, not a refusal
             d = p.faults;

@@ -30,6 +30,8 @@ int parse_options(int argc, char** argv, ServiceOptions& o) {
         ->check(CLI::IsMember({"debug", "info", "warn", "error"}))->capture_default_str();
     app.add_option("--queue", o.queue, "requests that may wait for the engine, per kind")->envname("ALDER_QUEUE")->check(CLI::Range(0, 10000))->capture_default_str();
     app.add_option("--cache-mib", o.cache_mib, "finished previews kept in memory")->envname("ALDER_CACHE_MIB")->check(CLI::Range(0, 1 << 20))->capture_default_str();
+    app.add_option("--texture-mib", o.texture_mib, "textures held in memory, mip levels and tiles included")->envname("ALDER_TEXTURE_MIB")->check(CLI::Range(1, 1 << 24))->capture_default_str();
+    app.add_option("--ocio", o.color_configuration, "OpenColorIO configuration with further colour spaces")->envname("OCIO");
     app.add_option("--max-body", o.limits.body_bytes, "bytes of a JSON body")->envname("ALDER_MAX_BODY")->check(CLI::Range(1024, 1 << 30))->capture_default_str();
     app.add_option("--max-scene", o.limits.scene_bytes, "bytes of a scene document")->envname("ALDER_MAX_SCENE")->check(CLI::Range(1024, 1 << 30))->capture_default_str();
     app.add_option("--max-asset-gib", o.asset_gib, "the largest asset")->envname("ALDER_MAX_ASSET_GIB")->check(CLI::Range(1, 1024))->capture_default_str();

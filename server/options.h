@@ -18,6 +18,8 @@ struct ServiceOptions {
     int threads = 0;                           ///< of rendering; 0 = all processors
     int64_t queue = 64;                        ///< requests that may wait for the engine, per kind
     int64_t cache_mib = 256;                   ///< finished previews kept in memory
+    int64_t texture_mib = 4096;                ///< pixels of textures held in memory
+    std::string color_configuration;           ///< OpenColorIO's; empty: $OCIO
     int64_t asset_gib = 4;                     ///< the largest asset
     double stop_seconds = 8;                   ///< how long running requests may go on after SIGTERM
     http::Limits limits;

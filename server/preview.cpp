@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "render/prepared_scene.h"
 #include "render/stages.h"
 #include "server/build_id.h"
 #include "server/digest.h"
@@ -27,7 +28,7 @@ struct PreviewRequest {
     std::string assign_to;   ///< material of a scene, where the stage is one
     RenderRequest render;
     View view;
-    bool lenient = false;
+    bool lenient = false, strict = false;
     bool with_budget = false;
 };
 
@@ -55,6 +56,7 @@ PreviewRequest read_preview(const nlohmann::json& body, Diagnostics& d) {
     Members m(body, "", d);
     if (const auto* graph = m.require("graph", "a graph document")) p.graph = *graph;
     m.boolean("lenient", p.lenient);
+    m.boolean("strict", p.strict);
     if (m.text("stage", p.stage) && !is_scene(p.stage)) {
         const auto views = stage_names();
         const std::vector<std::string> names(views.begin(), views.end());
@@ -81,7 +83,7 @@ PreviewRequest read_preview(const nlohmann::json& body, Diagnostics& d) {
 /// A digest of everything that decides the pixels and their encoding.
 std::string preview_etag(const PreviewRequest& p, const std::string& scene_state, const std::string& type) {
     const nlohmann::json key = {{"version", ALDER_VERSION}, {"build", build_id()}, {"isa", current_isa()}, {"graph", p.graph}, {"stage", p.stage},
-                                {"scene", scene_state}, {"assign_to", p.assign_to}, {"lenient", p.lenient}, {"width", p.render.width},
+                                {"scene", scene_state}, {"assign_to", p.assign_to}, {"lenient", p.lenient}, {"strict", p.strict}, {"width", p.render.width},
                                 {"height", p.render.height}, {"samples", p.render.samples}, {"seed", p.render.seed}, {"aovs", p.render.aovs},
                                 {"type", type}, {"exposure", p.view.exposure}, {"transform", static_cast<int>(p.view.transform)},
                                 {"layer", p.view.layer}, {"alpha", p.view.alpha}, {"quality", p.view.quality}};
@@ -125,11 +127,13 @@ http::Response post_preview(Service& s, http::Request& request) {
     s.run(s.preview_lane, request, 0, [&](const std::atomic<bool>& cancel) {
         timings.queue = since(queued);
         const auto compiling = Clock::now();
-        const auto material = s.engine.material(p.graph, "/graph", p.lenient, d);
+        const auto material = s.engine.material(p.graph, "/graph", p.lenient, d, p.strict);
         timings.compile = since(compiling);
         const auto building = Clock::now();
         const auto prepared = scene ? s.scenes.with_graph(s.engine, s.assets, *scene, p.assign_to, material, d) : s.engine.stage(p.stage, material, d);
         timings.build = since(building);
+        if (scene && p.strict) require_files(*prepared->scene, d);
+        if (!d.ok()) throw problem_from("scene-invalid", d);
         RenderStats stats;
         p.render.cancel = &cancel;
         const auto rendering = Clock::now();

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "render/programs.h"
 #include "server/negotiate.h"
 #include "server/picture.h"
 #include "server/routes.h"
@@ -20,7 +21,7 @@ struct FrameRequest {
     std::string scene;
     RenderRequest render;
     ExrOptions exr;
-    bool lenient = false;
+    bool lenient = false, strict = false;
 };
 
 template <size_t N>
@@ -41,6 +42,7 @@ FrameRequest read_frame(const nlohmann::json& body, Diagnostics& d) {
     Members m(body, "", d);
     if (m.require("scene", "the id of a scene")) m.text("scene", f.scene);
     m.boolean("lenient", f.lenient);
+    m.boolean("strict", f.strict);
     std::string mode = "final";
     if (m.choice("mode", mode, {"final", "live"}) && mode == "live") m.fault("mode", "unsupported", "\"live\"", "\"final\": live renders are not available in this version");
     std::array<int64_t, 2> resolution{};
@@ -116,6 +118,8 @@ http::Response post_renders(Service& s, http::Request& request) {
             const auto building = std::chrono::steady_clock::now();
             const auto loaded = s.scenes.load(s.engine, s.assets, *scene, d);
             timings.build = since(building);
+            if (f.strict) require_files(*loaded->scene, d);
+            if (!d.ok()) throw problem_from("scene-invalid", d);
             const int width = f.render.width ? f.render.width : loaded->scene->settings.width;
             const int height = f.render.height ? f.render.height : loaded->scene->settings.height;
             if (f.render.crop[2] > width || f.render.crop[3] > height) {

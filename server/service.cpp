@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "graph/json_text.h"
+#include "nodes/texture/image_store.h"
 #include "server/http/head.h"
 #include "server/log.h"
 #include "server/routes.h"
@@ -59,6 +60,29 @@ Service::Service(const ServiceOptions& o)
     metrics.gauge("alder_result_cache_bytes", [this] { return static_cast<double>(results.bytes()); });
     metrics.gauge("alder_material_cache_hits", [this] { return static_cast<double>(engine.materials().counters().hits); });
     metrics.gauge("alder_material_cache_misses", [this] { return static_cast<double>(engine.materials().counters().misses); });
+    watch_textures();
+}
+
+/// Textures are the process's, shared by all that is rendered.
+void Service::watch_textures() {
+    ImageStore& store = ImageStore::shared();
+    store.set_budget(static_cast<size_t>(options.texture_mib) << 20);
+    set_color_configuration(options.color_configuration);
+    set_image_fault_listener([](const std::string& fault) { log_event("warn", "texture broken", {{"file", fault}}); });
+    const auto gauge = [&](const std::string& name, auto member) {
+        metrics.gauge("alder_texture_" + name, [member] { return static_cast<double>(ImageStore::shared().usage().*member); });
+    };
+    gauge("budget_bytes", &ImageStore::Usage::budget_bytes);
+    gauge("whole_bytes", &ImageStore::Usage::whole_bytes);
+    gauge("tile_bytes", &ImageStore::Usage::tile_bytes);
+    gauge("read_ahead_bytes", &ImageStore::Usage::read_bytes);
+    gauge("images_whole", &ImageStore::Usage::whole_images);
+    gauge("images_tiled", &ImageStore::Usage::tiled_images);
+    gauge("tile_requests", &ImageStore::Usage::tile_requests);
+    gauge("tile_misses", &ImageStore::Usage::tile_misses);
+    gauge("tiles_read", &ImageStore::Usage::tiles_read);
+    gauge("tiles_dropped", &ImageStore::Usage::tiles_dropped);
+    gauge("faults", &ImageStore::Usage::faults);
 }
 
 Service::~Service() {

@@ -48,6 +48,7 @@ class Service {
 
   private:
     http::Response route(http::Request& request);
+    void watch_textures();
     std::atomic<size_t> buffered_bytes_{0};   ///< of bodies being read, over all connections
 };
 

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "graph/json_text.h"
+#include "nodes/texture/image_store.h"
 #include "render/image/file.h"
 
 namespace alder::cli {
@@ -63,11 +64,18 @@ std::function<std::string(const nlohmann::json&, std::string&)> image_resolver(c
         const fs::path path = folder / name;
         std::error_code code;
         if (name.empty() || !fs::is_regular_file(path, code)) {
-            error = "'" + path.string() + "' is not a file";
+            error = "'" + path.string() + (name.empty() || fs::exists(path, code) ? "' is not a file" : "': " + std::string(kNoSuchFile));
             return {};
         }
         return path.string();
     };
+}
+
+void add_texture_options(CLI::App& command) {
+    command.add_option_function<size_t>("--texture-mib", [](size_t mib) { ImageStore::shared().set_budget(mib << 20); }, "memory for textures; what is beyond it is read in tiles")
+        ->envname("ALDER_TEXTURE_MIB")->check(CLI::Range(size_t{1}, size_t{1} << 24));
+    command.add_option_function<std::string>("--ocio", set_color_configuration, "OpenColorIO configuration with further colour spaces; default: $OCIO");
+    set_image_fault_listener([](const std::string& fault) { std::fprintf(stderr, "alder: warning: texture %s\n", fault.c_str()); });
 }
 
 void write_bytes(const std::string& path, const void* data, size_t bytes) {

@@ -40,6 +40,9 @@ nlohmann::json read_graph_file(const std::string& path);
 /// {"file": NAME} and alShaders' file names beside the document (absolute names as they are); assets are the daemon's.
 std::function<std::string(const nlohmann::json&, std::string&)> image_resolver(const std::string& document_path);
 
+/// --texture-mib and --ocio, which act on the whole process.
+void add_texture_options(CLI::App& command);
+
 /// Writes all of it; a failure is the machine's.
 void write_bytes(const std::string& path, const void* data, size_t bytes);
 

@@ -81,6 +81,7 @@ Run add_eval(CLI::App& app) {
     c->add_flag("--stats", o->stats, "add what was evaluated and what was skipped");
     c->add_option("--repeat", o->repeat, "evaluate N times, for timing")->check(CLI::Range(1, 1000000))->capture_default_str();
     c->add_option("--threads", o->threads, "0 = all processors")->check(CLI::Range(0, 1024))->capture_default_str();
+    add_texture_options(*c);
     return [o] { return run(*o); };
 }
 

@@ -13,6 +13,7 @@
 
 #include "clients/cli/common.h"
 #include "graph/json_text.h"
+#include "nodes/texture/image_store.h"
 
 namespace alder::cli {
 namespace {
@@ -102,6 +103,15 @@ uint64_t peak_memory_bytes() {
     return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
+namespace {
+nlohmann::json texture_usage() {
+    const ImageStore::Usage u = ImageStore::shared().usage();
+    return {{"budget_bytes", u.budget_bytes}, {"whole_bytes", u.whole_bytes}, {"tile_bytes", u.tile_bytes}, {"read_ahead_bytes", u.read_bytes},
+            {"images_whole", u.whole_images}, {"images_tiled", u.tiled_images}, {"tile_requests", u.tile_requests}, {"tile_misses", u.tile_misses},
+            {"tiles_read", u.tiles_read}, {"tiles_averaged", u.tiles_averaged}, {"tiles_dropped", u.tiles_dropped}, {"faults", ImageStore::shared().faults()}};
+}
+}  // namespace
+
 nlohmann::json statistics(const RenderStats& s, double load_seconds, double write_seconds) {
     return {{"seconds", {{"load", load_seconds}, {"build", s.build_seconds}, {"compile", s.compile_seconds}, {"render", s.render_seconds}, {"write", write_seconds}}},
             {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}, {"subsurface", s.subsurface_rays}, {"total", s.camera_rays + s.bounce_rays + s.shadow_rays + s.subsurface_rays}}},
@@ -113,6 +123,7 @@ nlohmann::json statistics(const RenderStats& s, double load_seconds, double writ
             {"estimated_error", s.estimated_error},
             {"complete", s.complete},
             {"skipped", s.skipped},
+            {"textures", texture_usage()},
             {"peak_memory_bytes", peak_memory_bytes()}};
 }
 

@@ -20,7 +20,7 @@ struct Options {
     double seconds = 0;
     uint32_t seed = 0;
     float exposure = 0;
-    bool quiet = false, lenient = false;
+    bool quiet = false, lenient = false, strict = false;
 };
 
 int run(const Options& o) {
@@ -30,6 +30,7 @@ int run(const Options& o) {
     Diagnostics d;
     MaterialOptions options;
     options.lenient = o.lenient;
+    options.strict = o.strict;
     options.resolve_image = image_resolver(o.graph);
     auto material = build_material(read_graph_file(o.graph), options, d);
     report(o.graph, d);
@@ -91,6 +92,8 @@ Run add_preview(CLI::App& app) {
     c->add_option("--exposure", o->exposure, "stops, for .png and .jpg");
     c->add_option("--set", o->settings, "NODE.PARAM=VALUE; repeatable")->allow_extra_args(false);
     c->add_option("--stats", o->stats, "write times, rays and memory here as JSON");
+    add_texture_options(*c);
+    c->add_flag("--strict", o->strict, "files that are missing or broken are errors");
     c->add_flag("--lenient", o->lenient, "unknown parameters are warnings");
     c->add_flag("--quiet", o->quiet, "errors only");
     return [o] { return run(*o); };

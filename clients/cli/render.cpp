@@ -10,18 +10,20 @@
 #include "clients/cli/picture.h"
 #include "graph/program.h"
 #include "render/import/scene_document.h"
+#include "render/programs.h"
 
 namespace alder::cli {
 namespace {
 
 struct Options {
     std::string scene, output, resolution, crop, stats, isa, pixel_type = "float";
+    std::string texture_filter, noise_filter;
     std::vector<std::string> aovs, settings;
     int samples = 0, threads = 0;
     double seconds = 0, target_error = 0;
     uint64_t sample_offset = 0;
     uint32_t seed = 0;
-    bool seed_given = false, quiet = false, lenient = false;
+    bool seed_given = false, quiet = false, lenient = false, strict = false;
     View view;
 };
 
@@ -66,10 +68,17 @@ int run(const Options& o) {
     if (!o.quiet)
         for (const std::string& w : scene->warnings) std::fprintf(stderr, "alder: warning: %s: %s\n", o.scene.c_str(), w.c_str());
     scene = apply_settings(scene, o.settings);
+    if (!o.texture_filter.empty() || !o.noise_filter.empty()) {
+        auto filtered = std::make_shared<Scene>(*scene);
+        if (!o.texture_filter.empty()) filtered->settings.texture_filter = o.texture_filter == "on";
+        if (!o.noise_filter.empty()) filtered->settings.noise_filter = o.noise_filter == "on";
+        scene = filtered;
+    }
     const double load_seconds = since(loading);
 
     d = {};
     const auto prepared = prepare_scene(scene, EvalContext{}, d);
+    if (prepared && o.strict) require_files(*scene, d);
     report(o.scene, d);
     if (!prepared) fail(kWrong, o.scene + ": cannot be rendered");
     const int width = request.width ? request.width : scene->settings.width, height = request.height ? request.height : scene->settings.height;
@@ -126,6 +135,10 @@ Run add_render(CLI::App& app) {
     c->add_option("--pixel-type", o->pixel_type, "of colour layers in an .exr")->check(CLI::IsMember({"float", "half"}))->capture_default_str();
     c->add_option("--exposure", o->view.exposure, "stops, for .png and .jpg");
     c->add_option("--isa", o->isa, "instructions to use")->check(CLI::IsMember({"sse4", "avx2", "avx512"}));
+    add_texture_options(*c);
+    c->add_option("--texture-filter", o->texture_filter, "image textures by the ray's footprint; default: the scene's")->check(CLI::IsMember({"on", "off"}));
+    c->add_option("--noise-filter", o->noise_filter, "noise finer than the ray's footprint fades; default: the scene's")->check(CLI::IsMember({"on", "off"}));
+    c->add_flag("--strict", o->strict, "textures that are missing or broken are errors");
     c->add_flag("--lenient", o->lenient, "unknown members and parameters are warnings");
     c->add_flag("--quiet", o->quiet, "errors only");
     return [o] { return run(*o); };

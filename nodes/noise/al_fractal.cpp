@@ -20,12 +20,17 @@ constexpr int kMaxOctaves = 64;
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 
-/// Channels: frequency 0, scale 1, time 4, octaves 5, distortion 6, lacunarity 7, gain 8, turbulent 9, remap 10, colours 22, 25, P 28.
+/// Channels: frequency 0, scale 1, time 4, octaves 5, distortion 6, lacunarity 7, gain 8, turbulent 9, remap 10, colours 22, 25, P 28,
+/// where noise fades P at the next pixels 31, 34, and 1 in 37.
 struct AlFractal {
     template <class V, class F>
     static HWY_INLINE V sum(Lanes<F> k) {
-        const AlFractalParams<F> f = {k.f(4), k.f(6), k.f(7), k.f(8), min(k.statics().e(kOctaves), kMaxOctaves), k.statics().e(kTurbulent) != 0};
-        return al_fractal_sum<V>(ArnoldBasis(), k.v(28) * k.f(0) * k.v(1), f);
+        const bool fades = k.call.in[37].p[0] != 0;
+        const Vec3<F> p = k.v(28) * k.f(0) * k.v(1);
+        F reach(0);
+        if (fades) reach = max(length(k.v(31) * k.f(0) * k.v(1) - p), length(k.v(34) * k.f(0) * k.v(1) - p));
+        const AlFractalParams<F> f = {k.f(4), k.f(6), k.f(7), k.f(8), min(k.statics().e(kOctaves), kMaxOctaves), k.statics().e(kTurbulent) != 0, fades, reach};
+        return al_fractal_sum<V>(ArnoldBasis(), p, f);
     }
 };
 struct AlFractalScalar {
@@ -59,7 +64,7 @@ static bool fractal_uses(const Statics& s, int param) {
     if (param == kColor1 || param == kColor2) return s.e(kMode) == 0;
     return pattern_point_uses(s, param, kSpace, kP);
 }
-static void lower_fractal(Lowering& l, int) { lower_at_pattern_point(l, kSpace, kP); }
+static void lower_fractal(Lowering& l, int) { lower_at_pattern_point(l, kSpace, kP, true); }
 
 ALDER_NODE {
     using namespace param;
@@ -87,6 +92,8 @@ ALDER_NODE {
     n.params.push_back(pattern_point_param());
     n.outputs = {{"out", Type::Color}};
     n.kernel = al_fractal_kernel();
+    n.globals = {Global::Dpdx, Global::Dpdy, Global::PixelFootprint};
+    n.uses_global = [](const Statics&, int) { return false; };  // in their place come the filter's values
     n.cost_ns = 60;
     n.uses = fractal_uses;
     n.lower = lower_fractal;

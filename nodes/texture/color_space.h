@@ -1,5 +1,6 @@
 // Colour spaces of image files: what their numbers mean, and the way to linear Rec.709, in which everything is rendered.
-// Names are those of Blender's configuration, with the common other spellings.
+// Names are those of Blender's configuration, with the common other spellings. What has a formula is here; spaces made of tables
+// (Filmic sRGB, AgX Base sRGB, a studio's own) come from an OpenColorIO configuration (image_load.cpp).
 #pragma once
 #include <array>
 #include <optional>
@@ -10,7 +11,7 @@
 namespace alder {
 
 struct ColorSpace {
-    enum class Curve { Linear, Srgb, Gamma24 };
+    enum class Curve { Linear, Srgb, Gamma24, FilmicLog, AgxLog };
     Curve curve = Curve::Linear;
     bool is_data = false;                                            ///< not a colour: alpha does not multiply, nothing is converted
     bool same_primaries = true;                                      ///< Rec.709 primaries: no matrix
@@ -24,7 +25,7 @@ struct ColorSpace {
 
 /// By name; empty where it is not known.
 std::optional<ColorSpace> find_color_space(std::string_view name);
-/// The names to show when one is not known.
-std::vector<std::string> color_space_names();
+/// The names to show when one is not known; with all other spellings where `all`.
+std::vector<std::string> color_space_names(bool all = false);
 
 }  // namespace alder

@@ -1,32 +1,22 @@
 // Loading of images through OpenImageIO: a module of its own (alder_images.so), opened by the image store when the first image is
 // asked for. OpenImageIO brings some 240 libraries; linked into every program they cost 0.2 s of processor time at each start.
-// Alpha and number formats follow Cycles' image manager.
+// Alpha and number formats follow Cycles' image manager. What does not fit the store's budget gets a reader of tiles instead.
 #include "nodes/texture/image_load.h"
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <new>
-#include <optional>
+#include <filesystem>
 
-#include "nodes/texture/color_space.h"
-
-#if __has_include(<Imath/half.h>)
-#include <Imath/half.h>
-#else
-#include <OpenEXR/half.h>
-#endif
+#include "nodes/texture/image_pixels.h"
+#include "nodes/texture/image_tiles.h"
 
 namespace alder {
 namespace {
 
 using OIIO::TypeDesc;
-
-size_t bytes_of(StoredImage::Format f) { return f == StoredImage::Format::U8 ? 1 : f == StoredImage::Format::F32 ? 4 : 2; }
 
 /// The format that pixels are kept in: the file's, integers of other widths as 8 bit, doubles as float.
 StoredImage::Format format_of(const OIIO::ImageSpec& spec) {
@@ -36,15 +26,6 @@ StoredImage::Format format_of(const OIIO::ImageSpec& spec) {
     if (is_float) return StoredImage::Format::F32;
     return spec.format == TypeDesc::USHORT ? StoredImage::Format::U16 : StoredImage::Format::U8;
 }
-TypeDesc oiio_type(StoredImage::Format f) {
-    switch (f) {
-        case StoredImage::Format::U8: return TypeDesc::UINT8;
-        case StoredImage::Format::U16: return TypeDesc::USHORT;
-        case StoredImage::Format::F16: return TypeDesc::HALF;
-        default: return TypeDesc::FLOAT;
-    }
-}
-
 /// Whether the file's colours still have to be multiplied by alpha. OpenImageIO's mark is missing for some formats.
 bool is_unassociated(const OIIO::ImageSpec& spec, std::string_view format) {
     if (spec.get_int_attribute("oiio:UnassociatedAlpha", 0)) return true;
@@ -61,77 +42,24 @@ bool is_srgb_by_default(const OIIO::ImageSpec& spec, std::string_view format, St
     return hint.empty() && (format == "png" || format == "jpeg" || format == "tiff" || format == "dpx" || format == "jpeg2000");
 }
 
-float to_float(uint8_t v) { return static_cast<float>(v) / 255.0f; }
-float to_float(uint16_t v) { return static_cast<float>(v) / 65535.0f; }
-float to_float(half v) { return v; }
-float to_float(float v) { return v; }
-// In the file's own numbers, truncating as Cycles does.
-uint8_t times(uint8_t a, uint8_t b) { return static_cast<uint8_t>(static_cast<uint32_t>(a) * b / 255); }
-uint16_t times(uint16_t a, uint16_t b) { return static_cast<uint16_t>(static_cast<uint32_t>(a) * b / 65535); }
-half times(half a, half b) { return half(static_cast<float>(a) * static_cast<float>(b)); }
-float times(float a, float b) { return a * b; }
-template <class T>
-T one();
-template <>
-uint8_t one<uint8_t>() { return 255; }
-template <>
-uint16_t one<uint16_t>() { return 65535; }
-template <>
-half one<half>() { return half(1.0f); }
-template <>
-float one<float>() { return 1.0f; }
-
-/// Fills the channels that the file does not have, applies alpha, removes what is not finite. `p`: four numbers a pixel.
-template <class T>
-void complete_pixels(T* p, size_t count, int file_channels, bool multiply, bool drop_alpha) {
-    for (size_t i = 0; i < count; ++i, p += 4) {
-        if (file_channels == 2) {  // grey and alpha
-            p[3] = p[1];
-            p[1] = p[2] = p[0];
-        } else if (file_channels == 3) {
-            p[3] = one<T>();
-        }
-        if (multiply && file_channels >= 4) {
-            for (int c = 0; c < 3; ++c) p[c] = times(p[c], p[3]);
-        }
-        if (drop_alpha) p[3] = one<T>();
-    }
-}
-template <class T>
-void remove_nonfinite(T* p, size_t pixels, int channels) {
-    for (size_t i = 0; i < pixels; ++i, p += channels) {
-        bool finite = true;
-        for (int c = 0; c < channels; ++c) finite &= std::isfinite(to_float(p[c]));
-        if (!finite) std::fill(p, p + channels, T(0.0f));
-    }
-}
-/// Converts to linear Rec.709; the colours are taken out of their alpha meanwhile.
-template <class From, class To>
-void convert_pixels(const From* from, To* to, size_t pixels, int channels, const ColorSpace& space) {
-    for (size_t i = 0; i < pixels; ++i, from += channels, to += channels) {
-        float rgb[3];
-        for (int c = 0; c < 3; ++c) rgb[c] = to_float(from[channels == 4 ? c : 0]);
-        const float alpha = channels == 4 ? to_float(from[3]) : 1.0f;
-        const bool divide = !(alpha <= 0.0f || alpha == 1.0f);
-        if (divide) {
-            for (float& c : rgb) c /= alpha;
-        }
-        space.to_linear_rec709(rgb);
-        if (divide) {
-            for (float& c : rgb) c *= alpha;
-        }
-        for (int c = 0; c < std::min(channels, 3); ++c) to[c] = To(rgb[c]);
-        if (channels == 4) to[3] = To(alpha);
-    }
+/// A file of so few bytes cannot hold so many pixels: deflate, all that PNG knows, packs 1032 bytes into one at best (RFC 1951), PNM
+/// eight pixels; and OpenImageIO takes what is missing of a PNM for black.
+bool announces_too_much(const OIIO::ImageSpec& spec, std::string_view format, const std::string& path) {
+    const uint64_t most_packed = format == "png" ? 1040 : format == "pnm" ? 8 : 0;
+    std::error_code no_error;
+    return most_packed > 0 && spec.image_bytes(true) / most_packed > std::filesystem::file_size(path, no_error) + 1024;
 }
 
 /// Loads the file into `image`, or says why not.
-std::string load(const ImageRequest& request, StoredImage& image) {
+std::string load(const ImageRequest& request, const LoadOptions& options, StoredImage& image) {
     const bool automatic = request.color_space.empty();
-    std::optional<ColorSpace> space;
+    PixelTreatment t;
     if (!automatic) {
-        space = find_color_space(request.color_space);
-        if (!space) return fmt::format("colour space \"{}\" is not known; there are {}", request.color_space, fmt::join(color_space_names(), ", "));
+        t.space = find_color_space(request.color_space);
+        if (!t.space && options.color_configuration.empty()) return fmt::format("colour space \"{}\" is not known", request.color_space);
+        std::string fault;
+        if (!t.space) t.configured = find_configured_space(options.color_configuration, request.color_space, fault);
+        if (!t.space && !t.configured) return fault;
     }
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // alpha is applied here, in the file's numbers
@@ -148,67 +76,70 @@ std::string load(const ImageRequest& request, StoredImage& image) {
         return fmt::format("{} channels; at most {} can be read", spec.nchannels, StoredImage::kMostChannels);
     if (spec.depth > 1) return "volume images cannot be used as textures";
     if (spec.deep) return "deep images cannot be used as textures";
+    if (announces_too_much(spec, format_name, request.path))
+        return fmt::format("announces {} x {} pixels, more than a file of its size can hold", spec.width, spec.height);
 
-    StoredImage::Format format = format_of(spec);
-    const int channels = spec.nchannels == 1 ? 1 : 4, read_channels = std::min(spec.nchannels, 4);
-    const size_t pixels = static_cast<size_t>(spec.width) * spec.height, texel = bytes_of(format) * channels;
-    std::unique_ptr<std::byte[]> data(new (std::nothrow) std::byte[pixels * texel]);
-    if (!data) return fmt::format("{} bytes of memory are not available", pixels * texel);
-    const OIIO::stride_t row = static_cast<OIIO::stride_t>(texel) * spec.width;
-    // Upwards: texture coordinates count from the bottom row.
-    if (!in->read_image(0, 0, 0, read_channels, oiio_type(format), data.get() + row * (spec.height - 1), texel, -row, OIIO::AutoStride))
-        return in->geterror();
-
+    t.from = t.to = format_of(spec);
+    t.channels = spec.nchannels == 1 ? 1 : 4;
+    t.file_channels = spec.nchannels;
     if (automatic) {
-        space.emplace();
-        if (is_srgb_by_default(spec, format_name, format)) space->curve = ColorSpace::Curve::Srgb;
+        t.space.emplace();
+        if (is_srgb_by_default(spec, format_name, t.from)) t.space->curve = ColorSpace::Curve::Srgb;
     }
-    const bool relates = !space->is_data && request.alpha != AlphaMode::ChannelPacked && request.alpha != AlphaMode::None;
-    const bool multiply = relates && is_unassociated(spec, format_name);
-    const auto with_pixels = [&](auto&& fn) {
-        switch (format) {
-            case StoredImage::Format::U8: return fn(reinterpret_cast<uint8_t*>(data.get()));
-            case StoredImage::Format::U16: return fn(reinterpret_cast<uint16_t*>(data.get()));
-            case StoredImage::Format::F16: return fn(reinterpret_cast<half*>(data.get()));
-            case StoredImage::Format::F32: return fn(reinterpret_cast<float*>(data.get()));
-        }
-    };
-    if (channels == 4)
-        with_pixels([&](auto* p) { complete_pixels(p, pixels, spec.nchannels, multiply, request.alpha == AlphaMode::None); });
-    if (!space->is_data && !space->is_linear_rec709() && !space->is_srgb()) {
-        // Integers cannot hold what a conversion gives: half floats then.
-        const StoredImage::Format wide = format == StoredImage::Format::F32 ? format : StoredImage::Format::F16;
-        std::unique_ptr<std::byte[]> converted(new (std::nothrow) std::byte[pixels * channels * bytes_of(wide)]);
-        if (!converted) return fmt::format("{} bytes of memory are not available", pixels * channels * bytes_of(wide));
-        with_pixels([&](auto* p) {
-            if (wide == StoredImage::Format::F32) convert_pixels(p, reinterpret_cast<float*>(converted.get()), pixels, channels, *space);
-            else convert_pixels(p, reinterpret_cast<half*>(converted.get()), pixels, channels, *space);
-        });
-        data = std::move(converted);
-        format = wide;
+    const bool is_data = t.space ? t.space->is_data : t.configured->is_data, is_srgb = t.space && t.space->is_srgb();
+    const bool relates = !is_data && request.alpha != AlphaMode::ChannelPacked && request.alpha != AlphaMode::None;
+    t.multiply = relates && is_unassociated(spec, format_name);
+    t.drop_alpha = request.alpha == AlphaMode::None;
+    if (is_data || is_srgb || (t.space && t.space->is_linear_rec709())) {  // sRGB is made linear after interpolation, as Cycles does it
+        t.space.reset();
+        t.configured.reset();
     }
-    if (format == StoredImage::Format::F16) remove_nonfinite(reinterpret_cast<half*>(data.get()), pixels, channels);
-    if (format == StoredImage::Format::F32) remove_nonfinite(reinterpret_cast<float*>(data.get()), pixels, channels);
+    // Integers cannot hold what a conversion gives: half floats then.
+    if (t.converts() && t.from != StoredImage::Format::F32) t.to = StoredImage::Format::F16;
 
+    const size_t pixels = static_cast<size_t>(spec.width) * spec.height, bytes = pixels * t.to_bytes();
+    if (options.reserve(bytes) || !can_be_tiled(spec)) {
+        std::unique_ptr<std::byte[]> data(new (std::nothrow) std::byte[pixels * t.from_bytes()]);
+        if (!data) return fmt::format("{} bytes of memory are not available", pixels * t.from_bytes());
+        const OIIO::stride_t row = static_cast<OIIO::stride_t>(t.from_bytes()) * spec.width;
+        // Upwards: texture coordinates count from the bottom row.
+        if (!in->read_image(0, 0, 0, t.read_channels(), oiio_type(t.from), data.get() + row * (spec.height - 1), t.from_bytes(), -row, OIIO::AutoStride))
+            return in->geterror();
+        if (t.converts()) {
+            std::unique_ptr<std::byte[]> converted(new (std::nothrow) std::byte[bytes]);
+            if (!converted) return fmt::format("{} bytes of memory are not available", bytes);
+            t.apply(data.get(), pixels, converted.get());
+            data = std::move(converted);
+        } else {
+            t.apply(data.get(), pixels, data.get());
+        }
+        image.pixels = std::move(data);
+    } else {
+        std::string fault;
+        image.reader = open_tiles(request.path, *in, t, options.read_cache_bytes, fault);
+        if (!image.reader) return fault;
+    }
     image.width = spec.width;
     image.height = spec.height;
-    image.channels = channels;
-    image.format = format;
-    image.is_srgb = space->is_srgb();
+    image.channels = t.channels;
+    image.format = t.to;
+    image.is_srgb = is_srgb;
     image.divide_by_alpha = relates;
-    image.bytes = pixels * channels * bytes_of(format);
-    image.pixels = std::move(data);
+    image.bytes = bytes;
     return {};
 }
 
 }  // namespace
 }  // namespace alder
 
-extern "C" void alder_load_image(const alder::ImageRequest& request, alder::StoredImage& image, std::string& fault) {
+extern "C" void alder_load_image(const alder::ImageRequest& request, const alder::LoadOptions& options, alder::StoredImage& image, std::string& fault) {
     try {
-        fault = alder::load(request, image);
+        fault = alder::load(request, options, image);
     } catch (const std::exception& e) {  // plug-ins of OpenImageIO may throw on broken files
         fault = e.what();
-        image.width = 0;
     }
+    if (fault.empty()) return;
+    image.width = 0;
+    image.pixels.reset();
+    image.reader.reset();
 }

@@ -8,7 +8,10 @@ std::shared_ptr<const Prepared> prepare_image_texture(const Statics& statics, st
     prepared->mapping = parse_texture_mapping(statics.text[statics.type->param_index("texture_mapping")], errors);
     const size_t faults = errors.size();
     const ImageRequest request = parse_image_request(statics.text[statics.type->param_index("image")], errors);
-    if (!request.path.empty() && errors.size() == faults) prepared->image = ImageStore::shared().open(request);
+    if (!request.path.empty() && errors.size() == faults) {
+        prepared->image = ImageStore::shared().open(request);
+        if (!prepared->image->readable()) prepared->faults.push_back({"image", request.path, prepared->image->fault});
+    }
     return prepared;
 }
 

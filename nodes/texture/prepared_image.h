@@ -1,12 +1,13 @@
 // What the Image and the Environment Texture prepare: the placement and the opened image.
 #pragma once
+#include "nodes/resource_faults.h"
 #include "nodes/texture/image_store.h"
 #include "nodes/texture/texture_mapping.h"
 
 namespace alder {
 
-struct PreparedImage : PreparedTexture {
-    std::shared_ptr<const StoredImage> image;  ///< null: none chosen
+struct PreparedImage : PreparedTexture, ResourceFaults {
+    std::shared_ptr<const StoredImage> image;  ///< null: none chosen, or the file is not there
 };
 
 /// NodeType::prepare of nodes with parameters `image` and `texture_mapping`.

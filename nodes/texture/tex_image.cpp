@@ -14,8 +14,10 @@ namespace alder::HWY_NAMESPACE {
 namespace tex_image {
 enum Parameter { kImage, kMapping, kProjection, kInterpolation, kBlend, kExtension, kVector };
 enum Projection { kFlat, kBox, kSphere, kTube };
-enum Channel { kBlendIn = 0, kVectorIn = 1, kNormalIn = 4, kObjectXIn = 7, kObjectYIn = 10, kObjectZIn = 13 };
+// The last three are used where textures are filtered: Vector at the next pixels in x and y, and 1.
+enum Channel { kBlendIn = 0, kVectorIn = 1, kNormalIn = 4, kObjectXIn = 7, kObjectYIn = 10, kObjectZIn = 13, kVectorXIn = 16, kVectorYIn = 19, kFilterIn = 22 };
 enum Out { kColorOut = 0, kAlphaOut = 3 };
+constexpr int kFilterGlobal = 4;  ///< the first of the globals in whose place the filter's values come
 constexpr float kPi = 3.141592653589793f;
 
 template <class F>
@@ -69,30 +71,50 @@ HWY_INLINE Vec3<F> box_weights(Vec3<F> n, F blend) {
 }
 }  // namespace tex_image
 
+template <bool kFiltered>
 struct TexImage {
     template <class F>
-    static HWY_INLINE Rgba<F> at(const Lanes<F>& k, F u, F v) {
+    static HWY_INLINE Rgba<F> at(const Lanes<F>& k, F u, F v, const UvSteps<F>& steps) {
         using namespace tex_image;
         const auto* const prepared = static_cast<const PreparedImage*>(k.statics().prepared.get());
+        const StoredImage* const image = prepared ? prepared->image.get() : nullptr;
+        const int interpolation = k.statics().e(kInterpolation), extension = k.statics().e(kExtension);
         // As in Cycles, colour stays multiplied by alpha unless Alpha is used as well.
-        return lookup_image(prepared ? prepared->image.get() : nullptr, u, v, k.statics().e(kInterpolation), k.statics().e(kExtension), k.wants(kAlphaOut));
+        if constexpr (kFiltered) return lookup_image_filtered(image, u, v, steps, interpolation, extension, k.wants(kAlphaOut));
+        else return lookup_image(image, u, v, interpolation, extension, k.wants(kAlphaOut));
+    }
+    template <class F>
+    static HWY_INLINE tex_image::Uv<F> projected(const Lanes<F>& k, int channel) {
+        using namespace tex_image;
+        const Vec3<F> p = mapped_vector(k, channel);
+        const int projection = k.statics().e(kProjection);
+        if (projection != kSphere && projection != kTube) return {p.x, p.y};
+        const Vec3<F> centred = (p - Vec3<F>(F(0.5f))) * F(2);
+        return projection == kSphere ? on_sphere(centred) : on_tube(centred);
+    }
+    /// The way from a to b around a cylinder's seam.
+    template <class F>
+    static HWY_INLINE F step(F a, F b, bool closed) {
+        const F d = b - a;
+        return closed ? d - floor(d + F(0.5f)) : d;
     }
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
         using namespace tex_image;
-        const Vec3<F> p = mapped_vector(k, kVectorIn);
-        F u = p.x, v = p.y;
-        const int projection = k.statics().e(kProjection);
-        if (projection == kSphere || projection == kTube) {
-            const Vec3<F> centred = (p - Vec3<F>(F(0.5f))) * F(2);
-            const Uv<F> uv = projection == kSphere ? on_sphere(centred) : on_tube(centred);
-            u = uv.u, v = uv.v;
+        const Uv<F> uv = projected(k, kVectorIn);
+        UvSteps<F> steps;
+        if constexpr (kFiltered) {
+            const Uv<F> x = projected(k, kVectorXIn), y = projected(k, kVectorYIn);
+            const bool closed = k.statics().e(kProjection) != kFlat;
+            steps.dudx = step(uv.u, x.u, closed), steps.dvdx = x.v - uv.v;
+            steps.dudy = step(uv.u, y.u, closed), steps.dvdy = y.v - uv.v;
         }
-        const Rgba<F> r = at(k, u, v);
+        const Rgba<F> r = at(k, uv.u, uv.v, steps);
         k.set(kColorOut, r.rgb);
         k.set(kAlphaOut, r.a);
     }
 };
+template <bool kFiltered>
 struct TexImageBox {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
@@ -104,11 +126,18 @@ struct TexImageBox {
         // Turned so that no side shows the image mirrored.
         const F us[3] = {select(n.x < F(0), F(1) - p.y, p.y), select(n.y > F(0), F(1) - p.x, p.x), select(n.z > F(0), F(1) - p.y, p.y)};
         const F vs[3] = {p.z, p.z, p.x};
+        Vec3<F> dx, dy;
+        if constexpr (kFiltered) dx = mapped_vector(k, kVectorXIn) - p, dy = mapped_vector(k, kVectorYIn) - p;
         Rgba<F> sum(Vec3<F>(F(0)), F(0));
         for (int side = 0; side < 3; ++side) {
             const Mask<F> seen = weight[side] > F(0);
             if (!any(seen)) continue;
-            const Rgba<F> r = TexImage::at(k, us[side], vs[side]);
+            UvSteps<F> steps;  // their length counts, not their sign
+            if constexpr (kFiltered) {
+                steps.dudx = side == 1 ? dx.x : dx.y, steps.dudy = side == 1 ? dy.x : dy.y;
+                steps.dvdx = side == 2 ? dx.x : dx.z, steps.dvdy = side == 2 ? dy.x : dy.z;
+            }
+            const Rgba<F> r = TexImage<kFiltered>::at(k, us[side], vs[side], steps);
             sum.rgb = select<F>(seen, sum.rgb + r.rgb * weight[side], sum.rgb);
             sum.a = select(seen, sum.a + r.a * weight[side], sum.a);
         }
@@ -116,10 +145,15 @@ struct TexImageBox {
         k.set(kAlphaOut, sum.a);
     }
 };
+template <bool kFiltered, class F>
+HWY_INLINE void tex_image_projected(const Call<F>& c) {
+    if (c.statics().e(tex_image::kProjection) == tex_image::kBox) return c.template each<TexImageBox<kFiltered>>();
+    return c.template each<TexImage<kFiltered>>();
+}
 template <class F>
 void tex_image_kernel(const Call<F>& c) {
-    if (c.statics().e(tex_image::kProjection) == tex_image::kBox) return c.template each<TexImageBox>();
-    return c.template each<TexImage>();
+    if (c.call.in[tex_image::kFilterIn].p[0] != 0) return tex_image_projected<true>(c);
+    return tex_image_projected<false>(c);
 }
 ALDER_KERNEL(tex_image_kernel)
 
@@ -127,8 +161,23 @@ ALDER_KERNEL(tex_image_kernel)
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "graph/lowering.h"
+
 namespace alder {
 ALDER_KERNEL_EXPORT(tex_image_kernel)
+
+/// With a filter: Vector is evaluated at the next pixels as well, through whatever graph it comes from.
+static void lower_tex_image(Lowering& l, int output) {
+    namespace p = HWY_NAMESPACE::tex_image;
+    if (!l.filters_textures() || l.statics().e(p::kInterpolation) == HWY_NAMESPACE::kInterpolateClosest) return;
+    const ValueRef one = l.constant(Type::Float, 1), none = l.constant(Type::Vector, 0);
+    const bool box = l.statics().e(p::kProjection) == p::kBox;
+    std::vector<ValueRef> globals;
+    for (const Global g : {Global::N, Global::ObjectToWorldX, Global::ObjectToWorldY, Global::ObjectToWorldZ}) globals.push_back(box ? l.global(g) : none);
+    globals.insert(globals.end(), {l.displaced_input(p::kVector, 1, one), l.displaced_input(p::kVector, 2, one), one});
+    const ValueRef params[] = {l.input(p::kBlend), l.input(p::kVector)};
+    l.result(l.call(params, globals, output));
+}
 
 ALDER_NODE {
     using namespace param;
@@ -159,11 +208,12 @@ ALDER_NODE {
         color_mapping_param(), image_user_param(),
     };
     n.outputs = {{"Color", Type::Color}, {"Alpha", Type::Float}};
-    n.globals = {Global::N, Global::ObjectToWorldX, Global::ObjectToWorldY, Global::ObjectToWorldZ};
+    n.globals = {Global::N, Global::ObjectToWorldX, Global::ObjectToWorldY, Global::ObjectToWorldZ, Global::Dpdx, Global::Dpdy, Global::PixelFootprint};
+    n.lower = lower_tex_image;
     n.kernel = tex_image_kernel_kernel();
     n.cost_ns = 30;
     n.uses = [](const Statics& s, int param) { return param != p::kBlend || s.e(p::kProjection) == p::kBox; };
-    n.uses_global = [](const Statics& s, int) { return s.e(p::kProjection) == p::kBox; };
+    n.uses_global = [](const Statics& s, int i) { return i < p::kFilterGlobal && s.e(p::kProjection) == p::kBox; };
     n.prepare = prepare_image_texture;
     return n;
 }

@@ -13,7 +13,9 @@ namespace alder::HWY_NAMESPACE {
 namespace tex_noise {
 // Parameters, and the channels of the dynamic ones.
 enum Parameter { kMapping, kDimensions, kType, kVector, kW, kScale, kDetail, kRoughness, kLacunarity, kOffset, kGain, kDistortion, kNormalize };
-enum Channel { kVectorIn = 0, kWIn = 3, kScaleIn, kDetailIn, kRoughnessIn, kLacunarityIn, kOffsetIn, kGainIn, kDistortionIn };
+// The last five are used where noise fades: Vector and W at the next pixels in x and y, and 1.
+enum Channel { kVectorIn = 0, kWIn = 3, kScaleIn, kDetailIn, kRoughnessIn, kLacunarityIn, kOffsetIn, kGainIn, kDistortionIn, kNormalizeIn,
+               kVectorXIn, kVectorYIn = kVectorXIn + 3, kWXIn = kVectorYIn + 3, kWYIn, kFadesIn };
 enum Out { kFacOut, kColorOut };
 
 /// Where the noise that distorts an axis, or makes another colour component, is read: far from the first, in [100, 200].
@@ -42,20 +44,62 @@ template <int D>
 inline constexpr RandomOffsets<D> kOffsets;
 }  // namespace tex_noise
 
+namespace tex_noise {
+template <int D, class F>
+HWY_INLINE Coord<D, F> position(const Lanes<F>& k, int vector, int w) {
+    Coord<D, F> p;
+    if constexpr (D > 1) {
+        const Vec3<F> v = mapped_vector(k, vector);
+        ALDER_UNROLL
+        for (int i = 0; i < (D < 3 ? D : 3); ++i) p.c[i] = v[i];
+    }
+    if constexpr (D == 1 || D == 4) p.c[D - 1] = k.f(w);
+    return p * k.f(kScaleIn);
+}
+template <int D, class F>
+HWY_INLINE F distance(const Coord<D, F>& a, const Coord<D, F>& b) {
+    F sum(0);
+    ALDER_UNROLL
+    for (int i = 0; i < D; ++i) sum = mad(b.c[i] - a.c[i], b.c[i] - a.c[i], sum);
+    return sqrt(sum);
+}
+/// The amplitudes of all octaves together.
+template <class F>
+HWY_NOINLINE F total_amplitude(F detail, F roughness) {
+    F sum(0), amplitude(1);
+    for (int i = 0; i <= 16; ++i) {
+        const F part = saturate(detail + F(static_cast<float>(1 - i)));
+        if (!any(part > F(0))) break;
+        sum = mad(part, amplitude, sum);
+        amplitude = amplitude * roughness;
+    }
+    return sum;
+}
+
+/// What is left of the fractal in a pixel: Detail ends with the last octave that it can hold (a cell a pixel; the fraction of Detail
+/// fades), and the first octave goes the same way. What is left of an fBM then keeps its size, for the others fade to a mean of 0; the
+/// multifractals' octaves act on each other, so there only Detail ends.
+template <class F>
+struct Fade {
+    F detail, scale;
+    HWY_INLINE Fade(F cells, const FractalParams<F>& q) {
+        const Mask<F> some = cells > F(0), rising = abs(q.lacunarity) > F(1);
+        const F left = F(0) - log2(select(some, cells, F(1)));
+        const F octaves = left / log2(select(rising, abs(q.lacunarity), F(2)));
+        detail = select(some & rising, min(q.detail, max(octaves, F(0))), q.detail);
+        scale = select(some, saturate(left + F(1)), F(1));
+        if (q.normalize) scale = scale * (total_amplitude(detail, q.roughness) / total_amplitude(q.detail, q.roughness));
+    }
+};
+}  // namespace tex_noise
+
 template <int D, FractalType kType>
 struct TexNoise {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
         using namespace tex_noise;
         constexpr const RandomOffsets<D>& offsets = kOffsets<D>;
-        Coord<D, F> p;
-        if constexpr (D > 1) {
-            const Vec3<F> v = mapped_vector(k, kVectorIn);
-            ALDER_UNROLL
-            for (int i = 0; i < (D < 3 ? D : 3); ++i) p.c[i] = v[i];
-        }
-        if constexpr (D == 1 || D == 4) p.c[D - 1] = k.f(kWIn);
-        p = p * k.f(kScaleIn);
+        Coord<D, F> p = position<D>(k, kVectorIn, kWIn);
 
         FractalParams<F> q;
         q.detail = clamp_nan_to_low(k.f(kDetailIn), F(0), F(15));
@@ -64,6 +108,14 @@ struct TexNoise {
         q.offset = k.f(kOffsetIn);
         q.gain = k.f(kGainIn);
         q.normalize = k.statics().e(kNormalize) != 0;
+
+        F left(1);
+        const bool fades = k.call.in[kFadesIn].p[0] != 0;
+        if (fades) {
+            const Fade<F> fade(max(distance<D>(p, position<D>(k, kVectorXIn, kWXIn)), distance<D>(p, position<D>(k, kVectorYIn, kWYIn))), q);
+            q.detail = fade.detail;
+            left = fade.scale;
+        }
 
         const F distortion = k.f(kDistortionIn);
         const Mask<F> distorted = distortion != F(0);
@@ -78,7 +130,8 @@ struct TexNoise {
         for (int component = 0; component < 3; ++component) {
             const bool wanted = k.wants(kColorOut + component) || (component == 0 && k.wants(kFacOut));
             if (!wanted) continue;
-            const F value = fractal<kType>(component == 0 ? p : offsets.moved(p, D - 1 + component), q);
+            F value = fractal<kType>(component == 0 ? p : offsets.moved(p, D - 1 + component), q);
+            if (kType == kFbm && fades) value = q.normalize ? mad(left, value - F(0.5f), F(0.5f)) : left * value;
             if (component == 0) k.set(kFacOut, value);
             k.set(kColorOut + component, value);
         }
@@ -109,6 +162,8 @@ ALDER_KERNEL(tex_noise_kernel)
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "graph/lowering.h"
+
 namespace alder {
 ALDER_KERNEL_EXPORT(tex_noise_kernel)
 
@@ -124,6 +179,24 @@ static bool tex_noise_uses(const Statics& s, int p) {
         case kNormalize: return type == kFbm;
         default: return true;
     }
+}
+
+/// Where noise fades: Vector and W are evaluated at the next pixels as well, through whatever graph they come from.
+static void lower_tex_noise(Lowering& l, int output) {
+    using namespace HWY_NAMESPACE::tex_noise;
+    if (!l.fades_noise()) return;
+    const ValueRef one = l.constant(Type::Float, 1);
+    const NodeType& type = *l.statics().type;
+    std::vector<ValueRef> params, globals;
+    for (int i = 0; i < static_cast<int>(type.params.size()); ++i) {
+        const Type t = type.params[i].type;
+        if (channels(t) > 0) params.push_back(tex_noise_uses(l.statics(), i) ? l.input(i) : l.constant(t, 0));
+    }
+    for (const int p : {kVector, kW})
+        for (const int direction : {1, 2})
+            globals.push_back(tex_noise_uses(l.statics(), p) ? l.displaced_input(p, direction, one) : l.constant(type.params[p].type, 0));
+    globals.push_back(one);
+    l.result(l.call(params, globals, output));
 }
 
 ALDER_NODE {
@@ -162,6 +235,9 @@ ALDER_NODE {
     n.outputs = {{"Fac", Type::Float}, {"Color", Type::Color}};
     n.kernel = tex_noise_kernel_kernel();
     n.cost_ns = 40;
+    n.globals = {Global::Dpdx, Global::Dpdy, Global::PixelFootprint, Global::FootprintArea, Global::RayLength};
+    n.uses_global = [](const Statics&, int) { return false; };  // in their place come the fade's values
+    n.lower = lower_tex_noise;
     n.uses = tex_noise_uses;
     n.prepare = prepare_texture_mapping;
     return n;

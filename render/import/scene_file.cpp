@@ -60,7 +60,11 @@ void use_container(std::shared_ptr<const Container> c, const SceneLoadOptions& o
     source.resolve_image = [c, next = options.resolve_image](const json& image, std::string& error) -> std::string {
         const std::string name = image_name(image, error);
         if (name.empty()) return {};
-        if (!c->has(name) && next) return next(image, error);
+        if (!c->has(name)) {
+            if (next) return next(image, error);
+            error = "'" + name + "': " + std::string(kNoSuchFile);
+            return {};
+        }
         std::vector<uint8_t> bytes;
         return c->read(name, bytes, error) ? store_temporary_asset(bytes, lower_extension(name), error) : std::string();
     };
@@ -101,7 +105,11 @@ void use_folder(const std::string& folder, const SceneLoadOptions& options, Scen
     if (!source.resolve_image) {
         source.resolve_image = [folder](const json& image, std::string& error) {
             const std::string name = image_name(image, error);
-            return name.empty() ? std::string() : beside(folder, name, error);
+            const std::string path = name.empty() ? std::string() : beside(folder, name, error);
+            std::error_code ec;
+            if (path.empty() || fs::exists(path, ec)) return path;
+            error = path + ": " + std::string(kNoSuchFile);
+            return std::string();
         };
     }
 }

@@ -279,6 +279,8 @@ void read_settings(SceneReading& s, const json& j, const std::string& pointer) {
     x.filter = RenderSettings::Filter(filter);
     r.number("filter_width", x.filter_width, 0.01, 10);
     r.boolean("caustics_reflective", x.caustics_reflective);
+    r.boolean("texture_filter", x.texture_filter);
+    r.boolean("noise_filter", x.noise_filter);
     r.boolean("caustics_refractive", x.caustics_refractive);
     r.finish();
 }

@@ -186,7 +186,7 @@ TEST_F(ImageTest, srgb_is_made_linear) {
 }
 TEST_F(ImageTest, colour_spaces_keep_white_and_convert_primaries) {
     for (const std::string& name : color_space_names()) {
-        if (name == "Linear CIE-XYZ D65") continue;
+        if (name.starts_with("Linear CIE-XYZ") || name.ends_with("Log")) continue;
         float white[3] = {1, 1, 1};
         find_color_space(name)->to_linear_rec709(white);
         for (float c : white) EXPECT_NEAR(c, 1, 1e-4) << name;
@@ -199,7 +199,7 @@ TEST_F(ImageTest, colour_spaces_keep_white_and_convert_primaries) {
     EXPECT_NEAR(ap1[0], 1.70505, 2e-4);
     EXPECT_NEAR(ap1[1], -0.13026, 2e-4);
     EXPECT_NEAR(ap1[2], -0.02400, 2e-4);
-    EXPECT_FALSE(find_color_space("Filmic Log").has_value());
+    EXPECT_FALSE(find_color_space("Filmic sRGB").has_value());
 }
 TEST(ImageParameter, faults_are_named) {
     std::vector<std::string> errors;

@@ -1,0 +1,18 @@
+// Files that a node's prepared tables could not read. The node can be used all the same and shows it (an image is magenta), so this is
+// a warning, or an error where the request is strict.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace alder {
+
+/// A second base of what NodeType::prepare returns.
+struct ResourceFaults {
+    struct Fault {
+        std::string parameter, file, reason;
+    };
+    std::vector<Fault> faults;
+    virtual ~ResourceFaults() = default;
+};
+
+}  // namespace alder
