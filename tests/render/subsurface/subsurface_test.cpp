@@ -1,0 +1,127 @@
+// Subsurface scattering: profiles and their samples, reflectance of half spaces under even light, alSurface's profiles, thin bodies.
+#include "render/subsurface/subsurface.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/render/scene_kit.h"
+
+namespace alder::testing {
+namespace {
+
+/// Integral of a density over [0, reach] by the midpoint rule.
+template <class Density>
+double integral(Density density, double reach) {
+    constexpr int kSteps = 200000;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) sum += density(static_cast<float>((i + 0.5) * reach / kSteps));
+    return sum * reach / kSteps;
+}
+
+TEST(SubsurfaceProfile, densities_integrate_to_one_and_samples_invert_them) {
+    for (const float scale : {1e-4f, 1.f, 300.f}) {
+        EXPECT_NEAR(integral([&](float r) { return burley_radial_density(scale, r); }, 16 * scale), 1, 1e-3) << scale;
+        EXPECT_NEAR(integral([&](float r) { return cubic_radial_density(scale, r); }, scale), 1, 1e-3) << scale;
+        for (const float u : {0.f, 0.01f, 0.3f, 0.5f, 0.77f, 0.95f, 0.999f, 0.99999994f}) {
+            const float b = sample_burley_radius(scale, u), c = sample_cubic_radius(scale, u);
+            EXPECT_NEAR(integral([&](float r) { return burley_radial_density(scale, r); }, b), u, 1e-3) << scale;
+            EXPECT_NEAR(integral([&](float r) { return cubic_radial_density(scale, r); }, c), u, 1e-3) << scale;
+        }
+    }
+}
+
+/// A block much larger than light spreads in it, seen from above, under light of 1 from everywhere.
+Vec3d block_under_even_light(const std::shared_ptr<const Material>& material, int samples = 64) {
+    SceneKit kit;
+    kit.look_at({0, 0, 0.5f}, {0, 0, 0}, 0.2f);
+    auto block = std::make_shared<Mesh>(*floor_quad(50));
+    const auto below = floor_quad(50, -50);
+    const auto base = static_cast<uint32_t>(block->positions.size());
+    block->positions.insert(block->positions.end(), below->positions.begin(), below->positions.end());
+    for (auto t : below->triangles) block->triangles.push_back({base + t[0], base + t[2], base + t[1]});
+    block->smooth.assign(block->triangles.size(), 0);
+    block->uv.clear();
+    kit.add(block, kit.add_material(material));
+    kit.scene.world.graph = emission(1);
+    kit.scene.settings.samples = samples;
+    return mean(kit.render());
+}
+
+TEST(Subsurface, half_space_reflects_its_colour) {
+    for (const char* method : {"RANDOM_WALK", "RANDOM_WALK_SKIN", "BURLEY"}) {
+        const Vec3d m = block_under_even_light(surface_graph(
+            "ShaderNodeSubsurfaceScattering", {{"falloff", method}, {"Color", {0.8, 0.5, 0.2, 1}}, {"Scale", 1}, {"Radius", {0.1, 0.05, 0.02}}}));
+        // The walk's albedo is a fit, for light that enters as from a Lambert surface: it keeps within a few percent.
+        const double limit = method[0] == 'B' ? 0.01 : 0.05;
+        EXPECT_NEAR(m.x, 0.8, limit) << method;
+        EXPECT_NEAR(m.y, 0.5, limit) << method;
+        EXPECT_NEAR(m.z, 0.2, limit) << method;
+    }
+}
+
+TEST(Subsurface, white_body_gives_back_no_more_than_it_gets) {
+    for (const double anisotropy : {0.0, 0.8}) {
+        const Vec3d m = block_under_even_light(surface_graph("ShaderNodeSubsurfaceScattering",
+                                                             {{"Color", {1, 1, 1, 1}}, {"Scale", 1}, {"Radius", {0.05, 0.05, 0.05}}, {"Anisotropy", anisotropy}}));
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_LT(m[c], 1.02) << anisotropy;
+            EXPECT_GT(m[c], 0.9) << anisotropy;
+        }
+    }
+}
+
+TEST(Subsurface, channels_without_radius_are_lambert) {
+    const Vec3d m = block_under_even_light(surface_graph("ShaderNodeSubsurfaceScattering",
+                                                         {{"Color", {0.6, 0.6, 0.6, 1}}, {"Scale", 1}, {"Radius", {0, 0, 0}}}));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(m[c], 0.6, 1e-3);
+}
+
+TEST(Subsurface, principled_shares_its_base_between_both) {
+    const Vec3d m = block_under_even_light(surface_graph("ShaderNodeBsdfPrincipled", {{"Base Color", {0.7, 0.7, 0.7, 1}},
+                                                                                      {"Specular IOR Level", 0},
+                                                                                      {"Subsurface Weight", 0.5},
+                                                                                      {"Subsurface Scale", 1},
+                                                                                      {"Subsurface Radius", {0.05, 0.05, 0.05}}}));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(m[c], 0.7, 0.03);
+}
+
+TEST(Subsurface, al_surface_profiles_reflect_the_diffuse_colour) {
+    for (const char* mode : {"cubic", "empirical"}) {
+        const Vec3d m = block_under_even_light(
+            surface_graph("alSurface", {{"diffuseColor", {0.6, 0.4, 0.2}}, {"sssMix", 0.75}, {"sssMode", mode}, {"specular1Strength", 0},
+                                        {"sssRadius", 0.3}, {"sssWeight2", 0.5}, {"sssRadius2", 0.8}}),
+            256);
+        EXPECT_NEAR(m.x, 0.6, 0.012) << mode;
+        EXPECT_NEAR(m.y, 0.4, 0.008) << mode;
+        EXPECT_NEAR(m.z, 0.2, 0.004) << mode;
+    }
+}
+
+TEST(Subsurface, light_goes_through_a_thin_body_only) {
+    const auto lit_from_below = [](float radius) {
+        SceneKit kit;
+        kit.look_at({0, 0, 4}, {0, 0, 0}, 0.2f);
+        kit.add(sphere_mesh(0.5f, 32, true), kit.add_material(surface_graph("ShaderNodeSubsurfaceScattering", {{"Scale", 1}, {"Radius", {radius, radius, radius}}})));
+        kit.add_light(LightKind::Sun, 3, aimed({0, 0, -9}, {0, 0, 1})).angle = 0.01f;
+        kit.scene.settings.samples = 64;
+        return mean(kit.render()).x;
+    };
+    EXPECT_GT(lit_from_below(10), 20 * std::max(lit_from_below(0.1f), 1e-6));
+}
+
+TEST(Subsurface, settings_of_any_size_stay_finite) {
+    for (const double radius : {1e-30, 1e-9, 1e30})
+        for (const char* method : {"RANDOM_WALK", "RANDOM_WALK_SKIN", "BURLEY"}) {
+            SceneKit kit;
+            kit.add(sphere_mesh(1, 16, true), kit.add_material(surface_graph("ShaderNodeSubsurfaceScattering",
+                                                                             {{"falloff", method}, {"Radius", {radius, 1.0, 0}}, {"IOR", 1e9}, {"Anisotropy", 1}})));
+            kit.scene.world.graph = emission(1);
+            kit.scene.settings.samples = 16;
+            RenderStats stats;
+            const Image im = kit.render({}, &stats);
+            EXPECT_EQ(stats.nonfinite_samples, 0u) << method << ' ' << radius;
+            EXPECT_LT(mean(im).y, 1.5) << method << ' ' << radius;
+        }
+}
+
+}  // namespace
+}  // namespace alder::testing
