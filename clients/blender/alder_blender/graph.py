@@ -51,7 +51,10 @@ class GraphWriter:
         self._groups = {}   # name -> (graph, names of the groups it uses)
 
     def document(self, tree, kind, where):
-        """(graph document, links of the output node by socket identifier); a graph without surface where nothing is linked."""
+        """(graph document, what of "Surface", "Displacement" and "Volume" is linked); a graph without surface where nothing is.
+
+        Graph documents have no volumes yet: that part of the tree is not written, and named by the caller.
+        """
         walk = _Walk(self, tree, where)
         out = output_node(tree, OUTPUTS[kind])
         graph = {"version": 1, "nodes": walk.nodes, "outputs": {}}
@@ -61,7 +64,7 @@ class GraphWriter:
         if out is not None:
             for socket in out.inputs:
                 if is_on(socket) and socket.identifier in ("Surface", "Displacement", "Volume"):
-                    value = walk.linked(out, socket)
+                    value = walk.source(out, socket) if socket.identifier == "Volume" else walk.linked(out, socket)
                     if value is not None:
                         linked[socket.identifier] = value
         surface = linked.get("Surface")
@@ -167,6 +170,14 @@ class _Walk:
 
     def linked(self, node, socket):
         """What is linked to an input: a link, or the constant that a muted node passes on; None where nothing is."""
+        found = self.source(node, socket)
+        if not isinstance(found, tuple):
+            return found
+        self.node(found[0])
+        return {"node": found[0].name, "output": found[1].identifier}
+
+    def source(self, node, socket):
+        """The same as (node, socket), or the constant, without the node becoming part of the document."""
         for _ in range(100000):   # more than any chain of reroutes; a circle of them ends here
             if (node.name, socket.identifier) not in self._links:
                 return None
@@ -187,8 +198,7 @@ class _Walk:
             elif not is_on(socket):
                 return None
             else:
-                self.node(node)
-                return {"node": node.name, "output": socket.identifier}
+                return node, socket
         return None
 
     def _write(self, node):
