@@ -83,7 +83,8 @@ class NodeLowering final : public Lowering {
         has_result_ = true;
     }
     void pass_closure(int param, ValueRef weight) override {
-        const DocValue& v = b_.document_.nodes[node_]->params[param];
+        const Builder::Place p = b_.behind_groups({node_, param});
+        const DocValue& v = b_.at(p.node).params[p.param];
         if (v.kind == DocValue::Default || !weights_) return;
         Ir& ir = b_.built_.ir;
         int w = path_weight_;
@@ -91,14 +92,14 @@ class NodeLowering final : public Lowering {
             const IrRef f = b_.convert(refs_[weight.id], Type::Float, System::Cycles);
             if (ir.is_constant(f.ch[0]) && ir.guarded(Guard::AllZero, {f.ch[0]})) {
                 if (v.kind == DocValue::Link)
-                    b_.built_.skipped.emplace_back(v.link.node, fmt::format("{}.{} has weight 0", b_.document_.nodes[node_]->name, statics_->type->params[param].name));
+                    b_.built_.skipped.emplace_back(b_.target(p.node, v.link), fmt::format("{}.{} has weight 0", b_.built_.name(node_), statics_->type->params[param].name));
                 return;
             }
             if (!(ir.is_constant(f.ch[0]) && ir.guarded(Guard::IsOne, {f.ch[0]})))
                 w = ir.is_constant(w) && ir.value(w) == 1 ? f.ch[0] : b_.op1("multiply", builtin::multiply(), {w, f.ch[0]});
         }
-        if (!b_.document_.is_closure(v)) return b_.emit(node_, b_.color_of(node_, param), w);
-        const auto [it, fresh] = weights_->try_emplace(v.link.node, w);
+        if (!b_.links_closure(p)) return b_.emit(p.node, b_.color_of(p.node, p.param), w);
+        const auto [it, fresh] = weights_->try_emplace(b_.target(p.node, v.link), w);
         if (!fresh) it->second = b_.op1("add", builtin::add(), {it->second, w});
     }
 
@@ -132,12 +133,13 @@ class NodeLowering final : public Lowering {
 };
 
 std::shared_ptr<const Statics> Builder::statics(int node) {
-    auto& slot = statics_[node];
-    if (slot) return slot;
-    const DocNode& n = *document_.nodes[node];
+    const DocNode& n = at(node);
+    NodeStatics& slot = statics_[&n];
+    if (slot.statics) return slot.statics;
     auto s = std::make_shared<Statics>(make_statics(n));
-    asked_[node].assign(n.type->params.size(), 0);
-    s->asked = &asked_[node];
+    slot.asked.assign(n.type->params.size(), 0);
+    slot.node = node;
+    s->asked = &slot.asked;
     if (n.type->lobes) {
         s->lobes = n.type->lobes(*s);
         int offset = 0;
@@ -152,12 +154,43 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
         for (const auto& e : errors) {
             const auto colon = e.find(':');
             const int param = colon == std::string::npos ? -1 : n.type->param_index(e.substr(0, colon));
-            const std::string pointer = options_.pointer_prefix + "/nodes/" + pointer_token(n.name) + (param >= 0 ? "/params/" + pointer_token(n.type->params[param].name) : "");
+            const int parent = built_.nodes[node].parent;
+            const std::string pointer = options_.pointer_prefix + (parent < 0 ? "" : at(parent).group->pointer) + "/nodes/" + pointer_token(n.name) + (param >= 0 ? "/params/" + pointer_token(n.type->params[param].name) : "");
             if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back({pointer, "invalid-value", param >= 0 ? e.substr(colon + 2) : e, "a usable " + n.type->name, ""});
         }
     }
-    slot = s;
+    slot.statics = s;
     return s;
+}
+
+/// Writes a group out: its nodes get numbers of their own. Nothing is copied, and nothing inside is built before it is asked for.
+int Builder::expand(int node) {
+    if (built_.nodes[node].inside >= 0) return built_.nodes[node].inside;
+    const int first = static_cast<int>(built_.nodes.size());
+    for (const auto& n : at(node).group->nodes) built_.nodes.push_back({n.get(), first, node});
+    return built_.nodes[node].inside = first;
+}
+
+bool Builder::links_closure(Place p) const {
+    const DocValue& v = at(p.node).params[p.param];
+    return v.kind == DocValue::Link && at(target(p.node, v.link)).type->outputs[v.link.output].type == Type::Closure;
+}
+
+Builder::Place Builder::behind_groups(Place p) {
+    while (links_closure(p)) {
+        const DocLink& link = at(p.node).params[p.param].link;
+        const int to = target(p.node, link);
+        const int socket = link.output;  // sockets of an interface have one number on both sides
+        if (at(to).role == DocNode::Group) {
+            built_.touched.insert(to);
+            p = {expand(to) + at(to).group->output_node, socket};
+        } else if (at(to).role == DocNode::GroupInput) {
+            p = {built_.nodes[to].parent, socket};
+        } else {
+            break;
+        }
+    }
+    return p;
 }
 
 int Builder::variant_of(int parent, int direction, int width) {
@@ -210,7 +243,7 @@ IrRef Builder::convert(IrRef v, Type to, System system) {
 }
 
 IrRef Builder::constant_param(int node, int param) {
-    const DocNode& n = *document_.nodes[node];
+    const DocNode& n = at(node);
     const Param& p = n.type->params[param];
     const auto& number = n.params[param].kind == DocValue::Constant ? n.params[param].number : p.number;
     IrRef r{p.type, {}};
@@ -224,11 +257,11 @@ IrRef Builder::constant_param(int node, int param) {
 }
 
 IrRef Builder::param_value(int node, int param, int variant) {
-    const DocNode& n = *document_.nodes[node];
+    const DocNode& n = at(node);
     const Param& p = n.type->params[param];
     const DocValue& v = n.params[param];
     switch (v.kind) {
-        case DocValue::Link: return link_value(v.link, n.type->system, p.type, variant);
+        case DocValue::Link: return link_value(node, v.link, n.type->system, p.type, variant);
         case DocValue::Attribute: {
             IrRef r{p.type, {}};
             for (int i = 0; i < channels(p.type); ++i) r.ch[i] = built_.ir.attribute(v.text, p.type, i);
@@ -244,8 +277,8 @@ IrRef Builder::param_value(int node, int param, int variant) {
     return {};
 }
 
-IrRef Builder::link_value(const DocLink& link, System consumer, Type to, int variant) {
-    IrRef r = node_output(link.node, link.output, variant);
+IrRef Builder::link_value(int node, const DocLink& link, System consumer, Type to, int variant) {
+    IrRef r = node_output(node < 0 ? link.node : target(node, link), link.output, variant);
     if (link.component >= 0) {
         IrRef one{Type::Float, {}};
         one.ch[0] = channels(r.type) == 1 ? r.ch[0] : link.component < 3 ? r.ch[link.component] : built_.ir.literal(1);
@@ -258,9 +291,13 @@ IrRef Builder::node_output(int node, int output, int variant) {
     const auto key = std::make_tuple(node, output, variant);
     if (const auto it = memo_.find(key); it != memo_.end()) return it->second;
     built_.touched.insert(node);
-    const NodeType& type = *document_.nodes[node]->type;
+    const NodeType& type = *at(node).type;
     IrRef r;
-    if (type.lower && type.outputs[output].type != Type::Closure) {
+    if (at(node).role == DocNode::Group) {
+        r = param_value(expand(node) + at(node).group->output_node, output, variant);
+    } else if (at(node).role == DocNode::GroupInput) {
+        r = param_value(built_.nodes[node].parent, output, variant);
+    } else if (type.lower && type.outputs[output].type != Type::Closure) {
         NodeLowering lowering(*this, node, variant, nullptr, -1);
         type.lower(lowering, output);
         r = lowering.has_result() ? convert(lowering.value(), type.outputs[output].type, type.system) : run_kernel(node, output, variant);
@@ -298,13 +335,13 @@ int Builder::lazy_guard(const LazyRule& rule, IrRef selector, IrRef second, bool
 }
 
 std::vector<int> Builder::kernel_operands(int node, const Statics& s, int variant, uint64_t lobes, std::vector<LazyUse>& lazy) {
-    const DocNode& n = *document_.nodes[node];
+    const DocNode& n = at(node);
     const NodeType& type = *n.type;
     std::vector<LazyRule> rules;
     if (type.lazy) rules = type.lazy(s);
     const auto skip = [&](size_t i, const std::string& why) {
         if (n.params[i].kind == DocValue::Link)
-            built_.skipped.emplace_back(n.params[i].link.node, fmt::format("{}.{}: {}", n.name, type.params[i].name, why));
+            built_.skipped.emplace_back(target(node, n.params[i].link), fmt::format("{}.{}: {}", built_.name(node), type.params[i].name, why));
     };
     std::vector<int> in;
     for (size_t i = 0; i < type.params.size(); ++i) {
@@ -373,7 +410,7 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
     Ir& ir = built_.ir;
     const auto s = statics(node);
     const NodeType& type = *s->type;
-    const std::string& name = document_.nodes[node]->name;
+    const std::string name = built_.name(node);
     built_.touched.insert(node);
     uint64_t kept = 0;
     for (size_t i = 0; i < s->lobes.size(); ++i) {
@@ -420,9 +457,9 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
 
 /// A colour that stands where a closure is expected.
 IrRef Builder::color_of(int node, int param) {
-    const DocNode& n = *document_.nodes[node];
+    const DocNode& n = at(node);
     const DocValue& v = n.params[param];
-    if (v.kind == DocValue::Link) return link_value(v.link, n.type->system, Type::Color, 0);
+    if (v.kind == DocValue::Link) return link_value(node, v.link, n.type->system, Type::Color, 0);
     IrRef r{Type::Color, {}};
     for (int i = 0; i < 3; ++i)
         r.ch[i] = v.kind == DocValue::Attribute ? built_.ir.attribute(v.text, Type::Color, i) : built_.ir.literal(v.number[i]);
@@ -434,7 +471,7 @@ void Builder::emit(int node, IrRef color, int weight) {
     Ir& ir = built_.ir;
     if (!has(filter_, LobeFilter::Emission) || collecting_aov_) return;
     const bool one = ir.is_constant(weight) && ir.guarded(Guard::IsOne, {weight});
-    BuiltLobe lobe{LobeSpec{LobeKind::Emission, LobeLabel::Emission}, {}, -1, document_.nodes[node]->name};
+    BuiltLobe lobe{LobeSpec{LobeKind::Emission, LobeLabel::Emission}, {}, -1, built_.name(node)};
     for (int i = 0; i < 3; ++i) lobe.channels.push_back(one ? color.ch[i] : op1("weigh", builtin::multiply(), {color.ch[i], weight}));
     for (int i = 3; i < lobe.spec.channels(); ++i) lobe.channels.push_back(ir.literal(0));
     const std::vector<int> w(lobe.channels.begin(), lobe.channels.begin() + 3);
@@ -457,30 +494,42 @@ IrRef Builder::emission_of(const DocLink& link) {
 /// sum of its weights.
 void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
     filter_ = filter;
+    int root = link.node;
+    if (at(root).role == DocNode::Group) {
+        built_.touched.insert(root);
+        const Place p = behind_groups({expand(root) + at(root).group->output_node, link.output});
+        const DocValue& v = at(p.node).params[p.param];
+        if (v.kind == DocValue::Default) return;
+        if (!links_closure(p)) return emit(p.node, color_of(p.node, p.param), weight);
+        root = target(p.node, v.link);
+    }
     std::vector<int> order;
     std::map<int, char> state;
-    std::vector<std::pair<int, size_t>> stack{{link.node, 0}};
-    state[link.node] = 1;
+    std::vector<std::pair<int, size_t>> stack{{root, 0}};
+    state[root] = 1;
     while (!stack.empty()) {
         auto& [node, param] = stack.back();
-        const DocNode& n = *document_.nodes[node];
-        while (param < n.params.size() && !(n.type->params[param].type == Type::Closure && document_.is_closure(n.params[param]))) ++param;
+        const DocNode& n = at(node);
+        Place p{node, 0};
+        for (; param < n.params.size(); ++param)
+            if (n.type->params[param].type == Type::Closure && links_closure(p = behind_groups({node, static_cast<int>(param)}))) break;
         if (param == n.params.size()) {
             order.push_back(node);
             stack.pop_back();
             continue;
         }
-        const int to = n.params[param++].link.node;
+        ++param;
+        const int to = target(p.node, at(p.node).params[p.param].link);
         if (!state[to]) {
             state[to] = 1;
             stack.emplace_back(to, 0);
         }
     }
-    std::map<int, int> weights{{link.node, weight}};
+    std::map<int, int> weights{{root, weight}};
     for (auto it = order.rbegin(); it != order.rend(); ++it) {
         const auto w = weights.find(*it);
         if (w == weights.end()) continue;
-        const NodeType& type = *document_.nodes[*it]->type;
+        const NodeType& type = *at(*it).type;
         if (collecting_aov_) {
             for (const auto& [aov, param] : type.closure_aovs) {
                 if (aov != aov_name_) continue;
@@ -527,7 +576,7 @@ void Builder::build(const ProgramRequest& request) {
         if (it != document_.outputs.aovs.end()) {
             const auto& link = it->second;
             const auto& node = *document_.nodes[link.node];
-            add(name, link_value(link, node.type->system, link.component >= 0 ? Type::Float : node.type->outputs[link.output].type, 0));
+            add(name, link_value(-1, link, node.type->system, link.component >= 0 ? Type::Float : node.type->outputs[link.output].type, 0));
             continue;
         }
         collecting_aov_ = true;
@@ -542,14 +591,14 @@ void Builder::build(const ProgramRequest& request) {
     }
     if (request.displacement && document_.outputs.displacement.node >= 0) {
         const auto& link = document_.outputs.displacement;
-        add("displacement", link_value(link, document_.nodes[link.node]->type->system, Type::Vector, 0));
+        add("displacement", link_value(-1, link, document_.nodes[link.node]->type->system, Type::Vector, 0));
     }
     if (request.surface != LobeFilter::None && document_.outputs.surface.node >= 0)
         closure(document_.outputs.surface, built_.ir.literal(1), request.surface);
-    for (auto& [node, s] : statics_) {
-        s->asked = nullptr;
-        for (size_t i = 0; i < asked_[node].size(); ++i)
-            if (asked_[node][i]) built_.asked.insert({node, static_cast<int>(i)});
+    for (auto& [n, s] : statics_) {
+        if (s.statics) s.statics->asked = nullptr;
+        for (size_t i = 0; i < s.asked.size(); ++i)
+            if (s.asked[i]) built_.asked.insert({s.node, static_cast<int>(i)});
     }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <map>
 #include <set>
+#include <unordered_map>
 
 #include "graph/document.h"
 #include "graph/ir.h"
@@ -23,9 +24,18 @@ struct BuiltLobe {
     std::string node;
 };
 
+/// A node of the document where it is used: a node inside a group stands once for each use of the group that something asks for.
+struct PlacedNode {
+    const DocNode* node = nullptr;
+    int base = 0;       ///< added to the node numbers in its links
+    int parent = -1;    ///< the group node around it
+    int inside = -1;    ///< of a group node that is written out: its first node
+};
+
 /// The closure op's own uses are lazy under the mixing weight.
 struct Built {
     Ir ir;
+    std::vector<PlacedNode> nodes;   ///< those of the document first, by the same number
     std::vector<BuiltLobe> lobes;
     std::vector<IrRef> outputs;
     std::vector<std::string> output_names;
@@ -33,13 +43,18 @@ struct Built {
     std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
     std::set<std::pair<int, int>> asked;                     ///< (node, param): lobes() or uses() looked at its constant
     std::vector<std::pair<int, std::string>> skipped;        ///< (node, reason)
-    std::set<int> touched;                                   ///< document nodes that left anything in the IR
+    std::set<int> touched;                                   ///< nodes whose value was asked for
+
+    /// "node", or "group/node" inside a group.
+    std::string name(int node) const { return (nodes[node].parent >= 0 ? name(nodes[node].parent) + "/" : "") + nodes[node].node->name; }
 };
 
 class Builder {
   public:
     Builder(const Document& document, Built& built, Diagnostics& d, const MaterialOptions& options)
-        : document_(document), built_(built), d_(d), options_(options) {}
+        : document_(document), built_(built), d_(d), options_(options) {
+        for (const auto& n : document.nodes) built_.nodes.push_back({n.get()});
+    }
 
     void build(const ProgramRequest& request);
 
@@ -53,9 +68,21 @@ class Builder {
         int depth = 0;
     };
 
+    const DocNode& at(int node) const { return *built_.nodes[node].node; }
+    /// The number of the node that a link of `node` names.
+    int target(int node, const DocLink& link) const { return built_.nodes[node].base + link.node; }
+    int expand(int node);
+    /// Where a closure is really written: parameter of a node. Follows links through groups' inputs and outputs.
+    struct Place {
+        int node, param;
+    };
+    Place behind_groups(Place p);
+    bool links_closure(Place p) const;
+
     IrRef node_output(int node, int output, int variant);
     IrRef param_value(int node, int param, int variant);
-    IrRef link_value(const DocLink& link, System consumer, Type to, int variant);
+    /// The value that a link of `node` gives; -1: one of the document's outputs.
+    IrRef link_value(int node, const DocLink& link, System consumer, Type to, int variant);
     IrRef constant_param(int node, int param);
     IrRef global_value(Global g, int variant);
     IrRef convert(IrRef v, Type to, System system);
@@ -81,8 +108,12 @@ class Builder {
     const MaterialOptions& options_;
     std::vector<Variant> variants_{1};
     std::map<std::tuple<int, int, int>, IrRef> memo_;
-    std::map<int, std::shared_ptr<Statics>> statics_;
-    std::map<int, std::vector<char>> asked_;
+    struct NodeStatics {
+        std::shared_ptr<Statics> statics;
+        std::vector<char> asked;
+        int node;   ///< the first that asked
+    };
+    std::unordered_map<const DocNode*, NodeStatics> statics_;   ///< shared by all uses of a group: its tables are baked once
     LobeFilter filter_ = LobeFilter::None;  ///< of the closures being built
     // While an alder AOV is collected along the closure tree instead of lobes:
     bool collecting_aov_ = false;

@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <unordered_map>
 
 namespace alder {
 namespace {
 
 constexpr float kRegionMinCost = 6;     ///< ns a point: cheaper branches run for every lane and are blended
 constexpr float kCompactMinCost = 10;   ///< ns a point: from here gathering lanes pays (ARCHITECTURE measurements)
+constexpr int kMaxRegionDepth = 16;     ///< branches nested deeper run with the branch around them: the executor recurses
 constexpr int kL1Bytes = 24 * 1024;
 
 /// A guarded part of the program. Ops of a region are needed only where `guard` is not zero, for one consumer.
@@ -25,7 +26,7 @@ struct Region {
 
 class Generator {
   public:
-    Generator(Built built, const Document& document) : b_(std::move(built)), doc_(document), ir_(b_.ir) {}
+    explicit Generator(Built built) : b_(std::move(built)), ir_(b_.ir) {}
 
     std::shared_ptr<const Code> run() {
         collect_roots();
@@ -78,10 +79,10 @@ class Generator {
     }
 
     int find_region(int parent, int consumer, int guard) {
-        for (size_t i = 1; i < regions_.size(); ++i)
-            if (regions_[i].parent == parent && regions_[i].consumer == consumer && regions_[i].guard == guard) return static_cast<int>(i);
-        regions_.push_back({parent, consumer, guard, regions_[parent].depth + 1, 0});
-        return static_cast<int>(regions_.size()) - 1;
+        if (regions_[parent].depth >= kMaxRegionDepth) return parent;
+        const auto [it, fresh] = region_by_key_.try_emplace({parent, consumer, guard}, static_cast<int>(regions_.size()));
+        if (fresh) regions_.push_back({parent, consumer, guard, regions_[parent].depth + 1, 0});
+        return it->second;
     }
 
     int common(int a, int b) const {
@@ -214,15 +215,17 @@ class Generator {
     void allocate() {
         auto& code = code_->instructions;
         std::vector<int> last(ir_.channels.size(), -1), def(ir_.channels.size(), -1);
-        std::vector<int> region_end;  // enclosing regions' ends while walking
-        std::vector<std::pair<int, int>> spans;  // all regions: (begin, end)
-        for (size_t i = 0; i < code.size(); ++i)
-            if (code[i].kind == Instruction::Region) spans.emplace_back(static_cast<int>(i), code[i].end);
+        std::vector<int> around(code.size() + 1, -1);   // the innermost region around an instruction
+        std::vector<int> open;
+        for (size_t i = 0; i < code.size(); ++i) {
+            while (!open.empty() && code[open.back()].end <= static_cast<int>(i)) open.pop_back();
+            if (!open.empty()) around[i] = open.back();
+            if (code[i].kind == Instruction::Region) open.push_back(static_cast<int>(i));
+        }
         const auto touch = [&](int c, int at) {
             if (!runs(c)) return;
             // Read inside regions that do not contain the definition: alive to the end of the outermost such region.
-            for (const auto& [begin, end] : spans)
-                if (begin < at && at < end && !(begin < def[c] && def[c] < end)) at = std::max(at, end - 1);
+            for (int r = around[at]; r >= 0 && !(r < def[c] && def[c] < code[r].end); r = around[r]) at = std::max(at, code[r].end - 1);
             last[c] = std::max(last[c], at);
         };
         for (size_t i = 0; i < code.size(); ++i)
@@ -312,10 +315,13 @@ class Generator {
 
     void describe() {
         auto& s = code_->stats;
-        s.nodes = static_cast<int>(doc_.nodes.size());
+        const size_t count = b_.nodes.size();
+        const auto stands_for_others = [&](size_t n) {  // a group that is written out, and the ends of its wires inside
+            return b_.nodes[n].inside >= 0 || b_.nodes[n].node->role == DocNode::GroupInput || b_.nodes[n].node->role == DocNode::GroupOutput;
+        };
         s.folded = ir_.folded;
         s.merged = ir_.merged;
-        std::vector<char> live_node(doc_.nodes.size(), 0);
+        std::vector<char> live_node(count, 0);
         for (const auto& i : code_->instructions) {
             if (i.kind == Instruction::Region) {
                 ++s.regions;
@@ -325,14 +331,46 @@ class Generator {
             if (ir_.ops[i.op].node >= 0) live_node[ir_.ops[i.op].node] = 1;
         }
         s.live_nodes = static_cast<int>(std::count(live_node.begin(), live_node.end(), 1));
-        for (size_t n = 0; n < doc_.nodes.size(); ++n) {
-            code_->node_names.push_back(doc_.nodes[n]->name);
-            if (live_node[n]) continue;
-            std::string reason;
-            for (const auto& [node, why] : b_.skipped)
-                if (node == static_cast<int>(n) && reason.empty()) reason = why;
-            if (reason.empty()) reason = b_.touched.count(static_cast<int>(n)) ? "folded: constant, or passes its input on" : "nothing asked for needs it";
-            s.skipped.push_back(doc_.nodes[n]->name + ": " + reason);
+        std::unordered_map<int, const std::string*> reason;  // the first given
+        for (const auto& [node, why] : b_.skipped) reason.try_emplace(node, &why);
+        std::unordered_map<int, int> merged(ir_.merges.begin(), ir_.merges.end());
+        std::unordered_map<int, int> own;                    // node -> one of its ops
+        for (size_t o = 0; o < ir_.ops.size(); ++o)
+            if (ir_.ops[o].node >= 0) own.try_emplace(ir_.ops[o].node, static_cast<int>(o));
+        for (size_t n = 0; n < count; ++n) {
+            const int node = static_cast<int>(n);
+            NodeFate fate{b_.name(node), NodeFate::Live, "", b_.nodes[n].node->type->name, b_.nodes[n].parent};
+            const auto op = own.find(node);
+            const auto given = reason.find(node);
+            const auto into = merged.find(node);
+            if (stands_for_others(n)) {
+                fate.kind = NodeFate::Group;
+            } else if (live_node[n]) {
+                fate.kind = NodeFate::Live;
+            } else if (b_.touched.count(node) == 0) {
+                fate.kind = given != reason.end() ? NodeFate::Pruned : NodeFate::NotAsked;
+                fate.reason = given != reason.end() ? *given->second : "nothing asked for needs it";
+            } else if (op != own.end() && !ir_.ops[op->second].folded) {
+                fate.kind = NodeFate::Pruned;
+                fate.reason = given != reason.end() ? *given->second : "what reads it turned out not to need it";
+            } else if (op != own.end()) {
+                fate.kind = NodeFate::Folded;
+                fate.reason = "folded to a constant:";
+                for (size_t i = 0; i < ir_.ops[op->second].out.size() && i < 4; ++i) fate.reason += fmt::format(" {:g}", ir_.values.f[ir_.ops[op->second].out[i]]);
+            } else if (into != merged.end()) {
+                fate.kind = NodeFate::Merged;
+                fate.reason = "merged: computes what " + b_.name(into->second) + " computes";
+            } else {
+                fate.kind = NodeFate::PassedOn;
+                fate.reason = "passes a value of the point, a constant or its input on: nothing to compute";
+            }
+            if (fate.kind != NodeFate::Group) ++s.nodes;
+            if (fate.kind != NodeFate::Group && fate.kind != NodeFate::Live) s.skipped.push_back(fate.name + ": " + fate.reason);
+            const auto& params = b_.nodes[n].node->params;
+            for (size_t p = 0; p < params.size(); ++p)
+                if (params[p].kind == DocValue::Link)
+                    code_->links.push_back({b_.nodes[n].base + params[p].link.node, node, b_.nodes[n].node->type->params[p].name});
+            code_->nodes.push_back(std::move(fate));
         }
         code_->leaves = b_.leaves;
         code_->asked = b_.asked;
@@ -347,13 +385,13 @@ class Generator {
     }
 
     Built b_;
-    const Document& doc_;
     Ir& ir_;
     std::shared_ptr<Code> code_ = std::make_shared<Code>();
     std::vector<std::pair<int, int>> roots_;  ///< (channel, guard or -1)
     std::vector<int> roots_extra_;
     std::vector<char> live_, wanted_, tail_;
     std::vector<Region> regions_;
+    std::map<std::tuple<int, int, int>, int> region_by_key_;  ///< (parent, consumer, guard)
     std::vector<int> region_;                 ///< by op
     std::vector<std::vector<int>> by_region_;
     std::map<std::pair<int, int>, std::vector<int>> children_;  ///< (parent region, consumer) -> regions
@@ -365,7 +403,7 @@ class Generator {
 
 }  // namespace
 
-std::shared_ptr<const Code> generate_code(Built built, const Document& document) { return Generator(std::move(built), document).run(); }
+std::shared_ptr<const Code> generate_code(Built built) { return Generator(std::move(built)).run(); }
 
 ProgramImpl::ProgramImpl(std::shared_ptr<const Code> code, IrValues values) : code_(std::move(code)), values_(std::move(values)) {
     uniform_f_.resize(code_->uniforms.size() * kPadding);
@@ -401,49 +439,6 @@ std::shared_ptr<const ProgramImpl> ProgramImpl::with_constant(int node, int para
     }
     if (!code_->ir->recompute(v, changed)) return nullptr;
     return std::make_shared<ProgramImpl>(code_, std::move(v));
-}
-
-std::string ProgramImpl::dump() const {
-    const Ir& ir = *code_->ir;
-    std::string s = fmt::format("{} nodes, {} live; {} ops, {} registers, batches of {}; {} values folded, {} shared, {} lazy regions\n", code_->stats.nodes,
-                                code_->stats.live_nodes, code_->stats.ops, code_->registers, code_->batch, code_->stats.folded, code_->stats.merged, code_->stats.regions);
-    const auto slot = [&](const Slot& x) {
-        switch (x.kind) {
-            case Slot::Register: return fmt::format("r{}", x.index);
-            case Slot::Uniform: return fmt::format("{:g}", values_.f[code_->uniforms[x.index]]);
-            case Slot::Input: {
-                int first = 0;
-                for (const auto& in : code_->inputs) {
-                    if (x.index < first + in.channels)
-                        return fmt::format("{}.{}", in.is_attribute ? "attribute:" + in.attribute : global_name(in.global) ? global_name(in.global) : "global", x.index - first);
-                    first += in.channels;
-                }
-                return std::string("?");
-            }
-            default: return std::string("-");
-        }
-    };
-    std::vector<int> ends;
-    for (size_t i = 0; i < code_->instructions.size(); ++i) {
-        while (!ends.empty() && ends.back() == static_cast<int>(i)) ends.pop_back();
-        const auto& in = code_->instructions[i];
-        s += std::string(2 * ends.size(), ' ');
-        if (in.kind == Instruction::Region) {
-            s += fmt::format("where {} != 0{}:\n", slot(in.guard), in.compact ? " (gather)" : "");
-            ends.push_back(in.end);
-            continue;
-        }
-        const auto& op = ir.ops[in.op];
-        std::string outs, ins;
-        for (int r : in.out)
-            if (r >= 0) outs += fmt::format("{}r{}", outs.empty() ? "" : " ", r);
-        for (const auto& x : in.in)
-            if (ins.size() < 160) ins += (ins.empty() ? "" : ", ") + slot(x);
-        s += fmt::format("{} = {}({}){}\n", outs, op.name, ins, op.node >= 0 ? "  # " + code_->node_names[op.node] : "");
-    }
-    for (const auto& l : code_->lobes) s += fmt::format("lobe kind {} label {} from {}\n", static_cast<int>(l.spec.kind), static_cast<int>(l.spec.label), l.node);
-    for (const auto& line : code_->stats.skipped) s += "skipped " + line + "\n";
-    return s;
 }
 
 }  // namespace alder

@@ -30,6 +30,19 @@ struct Instruction {
     bool compact = true;             ///< costly enough to gather the active lanes
 };
 
+/// What became of a node of the document, for people.
+struct NodeFate {
+    std::string name;     ///< "group/node" inside a group
+    enum Kind : uint8_t { Live, Merged, Folded, PassedOn, Pruned, NotAsked, Group } kind = Live;
+    std::string reason;   ///< why nothing of it runs; empty where it does
+    std::string type;
+    int parent = -1;      ///< the group node around it
+};
+struct NodeLink {
+    int from, to;         ///< indices into Code::nodes
+    std::string param;
+};
+
 struct Code {
     std::shared_ptr<const Ir> ir;    ///< structure; its values are those of the first compile
     std::vector<Instruction> instructions;
@@ -40,7 +53,8 @@ struct Code {
     std::vector<ProgramOutput> outputs;
     std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
     std::set<std::pair<int, int>> asked;     ///< (node, param) whose being zero or default the structure relies on
-    std::vector<std::string> node_names;
+    std::vector<NodeFate> nodes;
+    std::vector<NodeLink> links;     ///< of the document, those into what was never asked for too
     int registers = 0;
     size_t scratch = 0;              ///< batches of scratch that nested regions need at most
     uint32_t batch = 256;
@@ -49,7 +63,7 @@ struct Code {
 };
 
 /// Dead code, lazy regions, schedule, registers.
-std::shared_ptr<const Code> generate_code(Built built, const Document& document);
+std::shared_ptr<const Code> generate_code(Built built);
 
 /// Code and the values of its constants.
 class ProgramImpl final : public Program {

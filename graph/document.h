@@ -24,10 +24,24 @@ struct DocValue {
     DocLink link;
 };
 
+struct DocGroup;
 struct DocNode {
+    enum Role : uint8_t { Node, Group, GroupInput, GroupOutput };
     std::string name;
-    const NodeType* type = nullptr;
+    const NodeType* type = nullptr;   ///< of groups: their interface (DocGroup)
     std::vector<DocValue> params;     ///< by parameter index
+    Role role = Node;
+    std::shared_ptr<const DocGroup> group = nullptr;  ///< role Group: what it stands for
+};
+
+/// A group: a graph with sockets, read once and used by any number of nodes. Its nodes' links are indices among themselves.
+struct DocGroup {
+    std::string pointer;              ///< of its graph within the document
+    NodeType type;                    ///< as its users see it: inputs are parameters, outputs outputs
+    NodeType input, output;           ///< of the nodes that stand for its inputs and outputs inside
+    std::vector<std::shared_ptr<const DocNode>> nodes;
+    int output_node = -1;
+    size_t expanded = 0;              ///< nodes, those of the groups inside included
 };
 
 struct DocOutputs {
@@ -40,15 +54,12 @@ class Document {
     std::vector<std::shared_ptr<const DocNode>> nodes;
     DocOutputs outputs;
     std::string digest;
+    size_t expanded = 0;   ///< nodes when every group is written out
     bool upgraded = false;  ///< read from a document of an older Blender: nodes and parameters are not those that it names
 
     int node_index(const std::string& name) const;
     /// "NODE.OUTPUT" split at the last dot that makes a known output, or "NODE". False if there is none.
     bool find_output(const std::string& text, DocLink& link) const;
-    /// A link to a closure output; what else may stand in a closure parameter is a colour.
-    bool is_closure(const DocValue& v) const {
-        return v.kind == DocValue::Link && nodes[v.link.node]->type->outputs[v.link.output].type == Type::Closure;
-    }
 };
 
 /// Reads and checks everything. Null if there are errors.

@@ -85,9 +85,14 @@ int Ir::attribute(const std::string& name, Type type, int component) {
     return it->second;
 }
 
-// Constants enter the hash by value, so that two nodes with equal parameters meet.
-uint64_t Ir::hash_of(const Kernel& k, const Statics* s, const std::vector<int>& in) const {
+// Constants enter the hash by value, so that two nodes with equal parameters meet. Not where the op folds: there only the same
+// channels meet (see op()), and thousands of nodes with equal constants would queue up under one hash.
+uint64_t Ir::hash_of(const Kernel& k, const Statics* s, const std::vector<int>& in, bool folds) const {
     uint64_t h = mix(reinterpret_cast<uint64_t>(k.lanes), hash_statics(s));
+    if (folds) {
+        for (int c : in) h = mix(h, static_cast<uint64_t>(c));
+        return h;
+    }
     for (int c : in) h = mix(h, channels[c].constant ? std::bit_cast<uint64_t>(values.d[c]) | 1ull << 63 : static_cast<uint64_t>(c));
     return h;
 }
@@ -128,7 +133,8 @@ void Ir::run_folded(const IrOp& o, IrValues& v) const {
 
 int Ir::op(const Kernel& kernel, const char* name, std::shared_ptr<const Statics> statics, std::vector<int> in, int outs,
            bool foldable, float cost_ns, int node) {
-    const uint64_t h = hash_of(kernel, statics.get(), in);
+    const bool folds = foldable && std::all_of(in.begin(), in.end(), [&](int c) { return channels[c].constant; });
+    const uint64_t h = hash_of(kernel, statics.get(), in, folds);
     const auto [first, last] = op_by_hash_.equal_range(h);
     for (auto it = first; it != last; ++it) {
         bool by_value = false;
@@ -140,6 +146,7 @@ int Ir::op(const Kernel& kernel, const char* name, std::shared_ptr<const Statics
         // A folded op met by value would tie two parameters together for nothing: compute it again instead.
         if (by_value && o.folded) continue;
         ++merged;
+        if (node >= 0 && o.node >= 0 && o.node != node) merges.emplace_back(node, o.node);
         return it->second;
     }
     IrOp o;
@@ -150,7 +157,7 @@ int Ir::op(const Kernel& kernel, const char* name, std::shared_ptr<const Statics
     o.node = node;
     o.cost_ns = cost_ns;
     o.foldable = foldable;
-    o.folded = foldable && std::all_of(o.in.begin(), o.in.end(), [&](int c) { return channels[c].constant; });
+    o.folded = folds;
     const int index = static_cast<int>(ops.size());
     for (int i = 0; i < outs; ++i) {
         IrChannel c;

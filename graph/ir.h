@@ -72,6 +72,7 @@ class Ir {
     std::vector<Guard> guards;
     IrValues values;
     int folded = 0, merged = 0;
+    std::vector<std::pair<int, int>> merges;   ///< (node, the node whose op it shares)
 
     /// A fresh constant leaf (a parameter's component); never shared, so that an edit reaches just its users.
     int leaf(double v);
@@ -98,7 +99,7 @@ class Ir {
     std::unordered_multimap<uint64_t, int> op_by_hash_;
     std::unordered_map<uint64_t, int> literal_by_bits_;
     std::unordered_map<uint32_t, int> global_by_key_;
-    uint64_t hash_of(const Kernel& k, const Statics* s, const std::vector<int>& in) const;
+    uint64_t hash_of(const Kernel& k, const Statics* s, const std::vector<int>& in, bool folds) const;
     bool same_op(const IrOp& o, const Kernel& k, const Statics* s, const std::vector<int>& in, bool& by_value) const;
     void run_folded(const IrOp& o, IrValues& v) const;
     int add_channel(IrChannel c, double v);

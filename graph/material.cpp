@@ -87,6 +87,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
                 return build_material(j, options_, d);
             }
         }
+        if (parts.size() > 4 && parts[parts.size() - 2] == "params") return with_inner_param(parts, value, d);
         const int node = parts.size() == 4 && parts[0] == "nodes" && parts[2] == "params" ? document_->node_index(parts[1]) : -1;
         const int param = node < 0 ? -1 : document_->nodes[node]->type->param_index(parts[3]);
         if (param < 0) {
@@ -150,6 +151,27 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     }
 
   private:
+    /// A parameter of a node inside a group ("/groups/NAME/nodes/...", "/nodes/NAME/graph/nodes/..."): compiled again as a whole.
+    std::shared_ptr<const Material> with_inner_param(const std::vector<std::string>& parts, const nlohmann::json& value, Diagnostics& d) const {
+        nlohmann::json j = document();
+        nlohmann::json* at = &j;
+        for (size_t i = 0; i + 2 < parts.size(); ++i) {
+            if (at->is_object() && at->contains(parts[i])) {
+                at = &(*at)[parts[i]];
+                continue;
+            }
+            std::vector<std::string> names;
+            if (at->is_object())
+                for (const auto& [name, inner] : at->items()) names.push_back(name);
+            std::string pointer = options_.pointer_prefix;
+            for (size_t k = 0; k <= i; ++k) pointer += "/" + pointer_token(parts[k]);
+            d.errors.push_back({pointer, "unknown-name", parts[i], "a node of this graph", nearest_name(parts[i], names)});
+            return nullptr;
+        }
+        if (at->is_object()) (*at)["params"][parts.back()] = value;
+        return build_material(j, options_, d);
+    }
+
     const nlohmann::json& document_json() const {
         if (edits_.empty()) return *base_json_;
         if (!edited_json_) {
@@ -164,11 +186,11 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         Built built;
         const size_t errors = d.errors.size();
         const auto work = [&] { Builder(*document_, built, d, options_).build(request); };
-        if (document_->nodes.size() > kInlineNodes) on_large_stack(work);
+        if (document_->expanded > kInlineNodes) on_large_stack(work);
         else work();
         if (d.errors.size() > errors) return nullptr;
         IrValues values = built.ir.values;
-        auto code = std::const_pointer_cast<Code>(generate_code(std::move(built), *document_));
+        auto code = std::const_pointer_cast<Code>(generate_code(std::move(built)));
         code->stats.compile_seconds = seconds_since(start);
         return std::make_shared<ProgramImpl>(code, std::move(values));
     }

@@ -17,7 +17,9 @@
 namespace alder {
 
 struct GraphLimits {
-    size_t nodes = 10000, links = 40000, depth = 32;
+    size_t nodes = 10000, links = 40000;   ///< of one graph
+    size_t depth = 32;                     ///< groups inside groups
+    size_t expanded = 100000;              ///< nodes when every group is written out
 };
 
 struct MaterialOptions {

@@ -276,6 +276,11 @@ std::optional<PointSet> PointSet::parse(const json& points, const std::string& d
 }
 
 uint32_t PointSet::count() const { return data_->count; }
+std::shared_ptr<const PointMesh> PointSet::mesh() const { return data_->world ? nullptr : data_->mesh; }
+std::array<double, 12> PointSet::object_to_world() const {
+    const PointMatrix& m = data_->object_to_world;
+    return {m.x.x, m.y.x, m.z.x, m.t.x, m.x.y, m.y.y, m.z.y, m.t.y, m.x.z, m.y.z, m.z.z, m.t.z};
+}
 
 namespace {
 

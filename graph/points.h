@@ -9,6 +9,7 @@
 // Immutable after parsing; append() is thread safe. Numbers are rounded to float32 on reading: a request says what a renderer's
 // single-precision registers hold, and the double kernels are to be judged on the same inputs.
 #pragma once
+#include <array>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -35,6 +36,7 @@ struct PointOptions {
 };
 
 struct PointData;
+struct PointMesh;
 
 class PointSet {
   public:
@@ -46,6 +48,9 @@ class PointSet {
     void append(const ProgramInput& in, std::vector<ChannelValues>& channels) const;
     /// The same in the form of the interface description.
     void fill(const ProgramInput& in, std::vector<std::vector<double>>& channels, std::vector<bool>& uniform) const;
+    /// The mesh that the points lie on, in object space, and its matrix (row-major 3x4); null: none, or a world.
+    std::shared_ptr<const PointMesh> mesh() const;
+    std::array<double, 12> object_to_world() const;
     /// Whether the request or its mesh has an attribute of that name (a program reads zeros where not).
     bool has_attribute(const std::string& name) const;
 

@@ -7,7 +7,6 @@
 #include "nodes/schema.h"
 
 namespace alder {
-namespace {
 
 const char* closure_name(const LobeSpec& spec) {
     switch (spec.kind) {
@@ -30,7 +29,13 @@ const char* closure_name(const LobeSpec& spec) {
     return "?";
 }
 
-}  // namespace
+ProgramRequest everything(const Material& material) {
+    ProgramRequest request;
+    if (material.has_surface()) request.surface = LobeFilter::Surface;
+    request.displacement = material.has_displacement();
+    request.aovs = material.aov_names();
+    return request;
+}
 
 nlohmann::json to_json(const Diagnostic& d) {
     nlohmann::json j = {{"pointer", d.pointer}, {"code", d.code}};
@@ -53,11 +58,7 @@ nlohmann::json to_json(const std::vector<Diagnostic>& list) {
 nlohmann::json graph_report(const Material* material, Diagnostics d) {
     nlohmann::json compiled = nullptr;
     if (material) {
-        // Everything the document defines, compiled as a camera ray would need it.
-        ProgramRequest request;
-        if (material->has_surface()) request.surface = LobeFilter::Surface;
-        request.displacement = material->has_displacement();
-        request.aovs = material->aov_names();
+        const ProgramRequest request = everything(*material);  // as a camera ray would need it
         if (const auto program = material->program(request, d)) {
             const ProgramStats& s = program->stats();
             std::set<std::string> closures, needs;

@@ -17,4 +17,13 @@ nlohmann::json to_json(const std::vector<Diagnostic>& list);
 /// `material` is the result of building the document, null where it has errors; `d` what was found on the way.
 nlohmann::json graph_report(const Material* material, Diagnostics d);
 
+/// All that the document defines: surface, displacement, AOVs.
+ProgramRequest everything(const Material& material);
+
+/// "diffuse", "ggx_glass": what a lobe is called in reports.
+const char* closure_name(const LobeSpec& spec);
+
+/// Graphviz text: the network coloured by what became of each node, and below it the instructions.
+std::string program_dot(const Program& program);
+
 }  // namespace alder

@@ -18,7 +18,7 @@ constexpr std::string_view kCatalogue[] = {
     "ShaderNodeBsdfTransparent", "ShaderNodeBsdfVelvet", "ShaderNodeBump", "ShaderNodeCameraData", "ShaderNodeClamp",
     "ShaderNodeCombineColor", "ShaderNodeCombineHSV", "ShaderNodeCombineRGB", "ShaderNodeCombineXYZ", "ShaderNodeCustomGroup",
     "ShaderNodeDisplacement", "ShaderNodeEeveeSpecular", "ShaderNodeEmission", "ShaderNodeFloatCurve", "ShaderNodeFresnel",
-    "ShaderNodeGamma", "ShaderNodeGroup", "ShaderNodeHairInfo", "ShaderNodeHoldout", "ShaderNodeHueSaturation", "ShaderNodeInvert",
+    "ShaderNodeGamma", "ShaderNodeHairInfo", "ShaderNodeHoldout", "ShaderNodeHueSaturation", "ShaderNodeInvert",
     "ShaderNodeLayerWeight", "ShaderNodeLightFalloff", "ShaderNodeLightPath", "ShaderNodeMapRange", "ShaderNodeMapping",
     "ShaderNodeMath", "ShaderNodeMix", "ShaderNodeMixRGB", "ShaderNodeMixShader", "ShaderNodeNewGeometry", "ShaderNodeNormal",
     "ShaderNodeNormalMap", "ShaderNodeObjectInfo", "ShaderNodeOutputAOV", "ShaderNodeOutputLight", "ShaderNodeOutputLineStyle",
@@ -32,7 +32,7 @@ constexpr std::string_view kCatalogue[] = {
     "ShaderNodeValToRGB", "ShaderNodeValue", "ShaderNodeVectorCurve", "ShaderNodeVectorDisplacement", "ShaderNodeVectorMath",
     "ShaderNodeVectorRotate", "ShaderNodeVectorTransform", "ShaderNodeVertexColor", "ShaderNodeVolumeAbsorption",
     "ShaderNodeVolumeCoefficients", "ShaderNodeVolumeInfo", "ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter",
-    "ShaderNodeWavelength", "ShaderNodeWireframe", "NodeGroupInput", "NodeGroupOutput",
+    "ShaderNodeWavelength", "ShaderNodeWireframe",
     // alShaders
     "alBlackbody", "alCache", "alCel", "alCellNoise", "alColorSpace", "alCombineColor", "alCombineFloat", "alCurvature", "alFlake",
     "alFlowNoise", "alFractal", "alFresnelConductor", "alGaborNoise", "alHair", "alImage", "alInputScalar", "alInputVector",

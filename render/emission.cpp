@@ -13,8 +13,9 @@
 
 namespace alder {
 
-ShadingPoint lamp_point(const LampSample& s, Vec3f p) {
+ShadingPoint lamp_point(const Lamp& lamp, const LampSample& s, Vec3f p) {
     ShadingPoint r;
+    r.lamp = &lamp.frame();
     const bool at_infinity = !std::isfinite(s.distance);
     r.p = at_infinity ? -s.wi : p + s.wi * s.distance;
     r.wo = -s.wi;

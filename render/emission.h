@@ -9,7 +9,7 @@
 namespace alder {
 
 /// The shading point of a lamp's surface, seen from p.
-ShadingPoint lamp_point(const LampSample& s, Vec3f p);
+ShadingPoint lamp_point(const Lamp& lamp, const LampSample& s, Vec3f p);
 /// The shading point of the world in a direction: at infinity, where position and normal are directions.
 ShadingPoint world_point(Vec3f direction);
 /// Sum of a program's emission lobes at point i of the batch run last.

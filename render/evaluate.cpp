@@ -11,6 +11,7 @@
 
 #include "graph/json_text.h"
 #include "render/closure/bsdf.h"
+#include "render/point_surfaces.h"
 
 namespace alder {
 namespace {
@@ -75,6 +76,8 @@ class Evaluation {
         : values_(std::move(values)), surface_(std::move(surface)), points_(points), closure_(closure), options_(options) {
         load(values_.get(), value_inputs_);
         load(surface_.get(), surface_inputs_);
+        around_ = PointSurfaces::make(values_.get(), points_);
+        if (!around_) around_ = PointSurfaces::make(surface_.get(), points_);
         const uint32_t n = points_.count();
         if (values_)
             for (const auto& o : values_->outputs())
@@ -140,6 +143,7 @@ class Evaluation {
 
     void block(uint32_t first, uint32_t last) {
         static const EvalContext context;
+        const SceneQueryScope scope(around_ ? &around_->query() : nullptr);
         Executor<R> executor(context, options_.scalar);
         std::vector<Channel<R>> inputs;
         const auto each_batch = [&](const Program& p, const std::vector<Input>& in, auto&& then) {
@@ -207,6 +211,7 @@ class Evaluation {
 
   private:
     std::shared_ptr<const Program> values_, surface_;
+    std::unique_ptr<PointSurfaces> around_;  ///< for nodes that cast rays
     const PointSet& points_;
     const ClosureRequest& closure_;
     const EvaluateOptions& options_;

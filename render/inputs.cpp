@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/input/scene_query.h"
 #include "render/sampling.h"
 
 namespace alder {
@@ -38,13 +39,18 @@ struct Batch {
 
     const ShadingPoint& at(size_t i) const { return points[i]; }
     bool on_mesh(size_t i) const { return points[i].instance != kNothing; }
-    const InstanceFrame& frame(size_t i) const { return on_mesh(i) ? scene.surfaces->frame(points[i].instance) : kIdentityFrame; }
+    const InstanceFrame& frame(size_t i) const { return on_mesh(i) ? scene.surfaces->frame(points[i].instance) : points[i].lamp ? *points[i].lamp : kIdentityFrame; }
     const Mesh& mesh(size_t i) const { return scene.surfaces->mesh_of(points[i].instance); }
     const Instance& instance(size_t i) const { return scene.surfaces->instances()[points[i].instance]; }
 
     Vec3f unturned(size_t i, Vec3f n) const { return points[i].backfacing ? -n : n; }
     Vec3f p_object(size_t i) const {
-        if (!on_mesh(i)) return points[i].p;
+        if (!on_mesh(i)) {
+            const ShadingPoint& s = points[i];
+            if (!s.lamp) return s.p;
+            const Transform& m = s.lamp->world_to_object;
+            return s.distance < std::numeric_limits<float>::max() ? m.point(s.p) : m.vector(s.p);  // a sun's position is a direction
+        }
         const Mesh& m = mesh(i);
         const ShadingPoint& s = points[i];
         const auto& t = m.triangles[s.triangle];
@@ -347,7 +353,7 @@ InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
         if (in.is_attribute) {
             e.attribute_by_mesh.assign(surfaces.meshes().size(), nullptr);
             std::string_view name = in.attribute;
-            e.part = take_suffix(name);
+            e.part = name == kSceneInstance ? Part::Instance : name == kScenePositionError ? Part::PositionError : take_suffix(name);
             const bool tangents = e.part == Part::Tangent || e.part == Part::TangentSign;
             if (tangents) e.tangents_by_mesh.resize(surfaces.meshes().size());
             for (size_t m = 0; m < surfaces.meshes().size(); ++m) {
@@ -367,7 +373,7 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
     if (memory_.size() < padded * plan.channels()) memory_.resize(padded * plan.channels());
     channels_.resize(plan.channels());
     bool one_instance = true;
-    for (const ShadingPoint& s : points) one_instance = one_instance && s.instance == points[0].instance;
+    for (const ShadingPoint& s : points) one_instance = one_instance && s.instance == points[0].instance && s.lamp == points[0].lamp;
 
     const Batch batch{scene, points, history};
     float* next = memory_.data();
@@ -386,6 +392,8 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                 const Attribute* const a = on_mesh ? e.attribute_by_mesh[m] : nullptr;
                 float v[4] = {};
                 switch (e.part) {
+                    case InputPlan::Part::Instance: out[i] = on_mesh ? static_cast<float>(s.instance) : -1.f; continue;
+                    case InputPlan::Part::PositionError: out[i] = s.error; continue;
                     case InputPlan::Part::Exists: out[i] = a ? 1.f : 0.f; continue;
                     case InputPlan::Part::Alpha:
                         if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);

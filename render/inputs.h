@@ -45,6 +45,8 @@ class InputPlan {
         Alpha,        ///< ".alpha": fourth component, else 1
         Tangent,      ///< ".tangent" of a UV map: as stored, object space
         TangentSign,  ///< ".tangent_sign"
+        Instance,       ///< "scene:instance" (nodes/input/scene_query.h); negative: none
+        PositionError,  ///< "scene:position_error"
     };
     struct Entry {
         ProgramInput input;

@@ -27,6 +27,7 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
       seed(r.seed != 0 ? r.seed : s.scene->settings.seed),
       camera(s.scene->camera, settings.width, settings.height),
       filter(settings.filter, settings.filter_width),
+      query(*s.surfaces),
       cancel(r.cancel) {
     width = settings.width;
     height = settings.height;

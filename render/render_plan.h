@@ -9,6 +9,7 @@
 #include "render/camera.h"
 #include "render/filter.h"
 #include "render/prepared_scene.h"
+#include "render/scene_query.h"
 
 namespace alder {
 
@@ -23,6 +24,7 @@ struct RenderPlan {
     PixelFilter filter;
     std::unique_ptr<const AovPlan> aovs;
     InputScene inputs;
+    SurfaceQuery query;  ///< for nodes that cast rays
 
     /// Of each material: the surface program, and the one with AOVs for what the camera sees (the same where it has none).
     struct SurfacePrograms {

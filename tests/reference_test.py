@@ -228,6 +228,51 @@ class Case:
         return 0.0
 
 
+class Stochastic(unittest.TestCase):
+    """Nodes that cast rays: means over many evaluations of each point against the reference's means, on the reference's meshes.
+
+    The tables' means are over a pixel, which at a tenth of the points sees a second face: nine in ten must agree.
+    """
+
+    EVALUATIONS = 48
+
+    def check(self, name, limit):
+        paths = glob.glob(os.path.join(ROOT, "cycles_nodes", name + ".json*"))
+        if not paths or not os.path.exists(ALDER):
+            self.skipTest("no table")
+        table, folder = load(paths[0]), os.path.dirname(os.path.abspath(paths[0]))
+        for case in table["cases"]:
+            n, k = case["points"], self.EVALUATIONS
+            repeated = lambda v: [x for x in v for _ in range(k)] if isinstance(v, list) and len(v) == n else v
+            attributes = {}
+            params = dict(case["properties"])
+            params.update(sockets(case["inputs"], n, attributes))
+            context = case["context"]
+            points = {"count": n * k, "attributes": {a: repeated(v) for a, v in attributes.items()},
+                      "surface": {a: v for a, v in context.items() if a not in ("fields", "mesh")}}
+            points["surface"]["mesh_file"] = os.path.join(folder, context["mesh"])
+            points.update({f: repeated(v) for f, v in context["fields"].items()})
+            # Rays are random by position and view: a view turned by less than matters makes each evaluation another one.
+            points["I"] = [[x + 1e-7 * (i % k) for x in v] for i, v in enumerate(points["I"])]
+            request = {"graph": {"nodes": {"node": {"type": name, "params": params}}}, "points": points, "outputs": ["node." + o for o in case["outputs"]]}
+            run = subprocess.run([ALDER, "eval", "-"], input=json.dumps(request), capture_output=True, text=True, timeout=600)
+            answer = json.loads(run.stdout)
+            self.assertNotIn("error", answer)
+            for output, want in case["outputs"].items():
+                want, got = flat(want), flat(answer["outputs"]["node." + output])
+                width = len(want) // n
+                means = [sum(got[(i * k + j) * width + c] for j in range(k)) / k for i in range(n) for c in range(width)]
+                errors = sorted(max(abs(a - b) for a, b in zip(means[i * width:(i + 1) * width], want[i * width:(i + 1) * width])) for i in range(n))
+                self.assertLess(errors[n * 9 // 10], limit, "%s %s %s: errors %s" % (name, case["properties"], output, errors[-6:]))
+                self.assertLess(errors[n // 2], limit / 3, "%s %s %s: median error" % (name, case["properties"], output))
+
+    def test_ambient_occlusion(self):
+        self.check("ShaderNodeAmbientOcclusion", 0.02)
+
+    def test_bevel(self):
+        self.check("ShaderNodeBevel", 0.05)
+
+
 def available():
     run = subprocess.run([ALDER, "nodes", "--json"], capture_output=True, text=True, check=True)
     listing = json.loads(run.stdout)

@@ -72,6 +72,7 @@ HWY_INLINE F intensity(const IesProfile& p, F h_angle, F v_angle) {
     const Mask<F> covered = (v_angle >= F(p.vertical[0])) & (v_angle < F(p.vertical[v_last])) &
                             (h_angle >= F(p.horizontal[0])) & (h_angle < F(p.horizontal[h_last]));
     if (!any(covered)) return F(0);
+    // As Cycles has it: 360 degrees in 32-bit radians are not above this bound, so profiles end at 0 and 360 with zeros beyond.
     const bool wrap = p.horizontal[0] < 1e-7f && p.horizontal[h_last] > kTwoPi - 1e-7f;
     I h, v;
     F h_fraction, v_fraction;

@@ -28,7 +28,9 @@ std::vector<std::shared_ptr<const Mesh>> with_normals(std::vector<std::shared_pt
 /// 1e-3 to 1e5 units were tight with an eighth of it (2^-23) already: the rest is margin for uneven scales.
 constexpr float kRelativeError = 0x1p-20f;
 
-InstanceFrame make_frame(const Transform& t) {
+}  // namespace
+
+InstanceFrame frame_of(const Transform& t) {
     InstanceFrame f;
     f.object_to_world = t;
     f.world_to_object = t.inverse();
@@ -48,13 +50,11 @@ InstanceFrame make_frame(const Transform& t) {
     return f;
 }
 
-}  // namespace
-
 Surfaces::Surfaces(std::vector<std::shared_ptr<const Mesh>> meshes, std::vector<Instance> instances)
     : meshes_(with_normals(std::move(meshes))), instances_(std::move(instances)), accel_(meshes_, instances_) {
     for (const auto& m : meshes_) tables_.push_back(std::make_unique<MeshTables>(m));
     frames_.reserve(instances_.size());
-    for (const Instance& i : instances_) frames_.push_back(make_frame(i.object_to_world));
+    for (const Instance& i : instances_) frames_.push_back(frame_of(i.object_to_world));
 }
 
 std::array<Vec3f, 3> Surfaces::world_triangle(uint32_t instance, uint32_t triangle) const {

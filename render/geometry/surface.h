@@ -55,7 +55,10 @@ struct ShadingPoint {
     float footprint = 0;         ///< half a pixel's width here (ray cone radius)
     float error = 0;             ///< bound of the rounding error of p, world units
     bool backfacing = false;
+    const InstanceFrame* lamp = nullptr;  ///< of a point on a lamp: the lamp's space
 };
+/// What follows from an object's or a lamp's matrix.
+InstanceFrame frame_of(const Transform& object_to_world);
 
 class Surfaces {
   public:

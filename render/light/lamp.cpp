@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "render/geometry/surface.h"
 #include "render/light/rectangle.h"
 #include "render/sampling.h"
 
@@ -30,7 +31,7 @@ struct Lamp::Region {
     bool ellipse;
 };
 
-Lamp::Lamp(const Light& light) : light_(light) {
+Lamp::Lamp(const Light& light) : light_(light), frame_(std::make_shared<const InstanceFrame>(frame_of(light.to_world))) {
     const Transform& t = light.to_world;
     co_ = column(t, 3);
     dir_ = safe_normalize(-column(t, 2));

@@ -7,11 +7,13 @@
 // Without `normalize` S / pi is the radiance (area, spheres) whatever the size.
 #pragma once
 #include <array>
+#include <memory>
 
 #include "render/light/selector.h"
 #include "render/scene.h"
 
 namespace alder {
+struct InstanceFrame;
 
 /// A direction towards a lamp.
 struct LampSample {
@@ -41,6 +43,8 @@ class Lamp {
     /// For the choice among lights; a sun's power is what it sends through a disk of the scene's radius.
     EmitterBounds bounds(float scene_radius) const;
     const Light& light() const { return light_; }
+    /// The lamp's space, for its graph.
+    const InstanceFrame& frame() const { return *frame_; }
 
   private:
     bool sample_sphere(Vec3f p, float u1, float u2, LampSample& s) const;
@@ -55,6 +59,7 @@ class Lamp {
     void area_uv(Vec3f on_lamp, LampSample& s) const;
 
     Light light_;
+    std::shared_ptr<const InstanceFrame> frame_;
     bool is_delta_ = true;
     Vec3f radiance_{0, 0, 0};  ///< or intensity, or irradiance: what a full sample carries
     Vec3f co_{0, 0, 0}, dir_{0, 0, -1};

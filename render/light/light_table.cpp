@@ -227,7 +227,7 @@ bool LightTable::sample(Vec3f p, float u_pick, float u1, float u2, LightSample& 
     s.is_delta = lamp.is_delta();
     s.radiance = l.radiance;
     s.program = lamp_programs_[e.index].get();
-    s.point = lamp_point(l, p);
+    s.point = lamp_point(lamp, l, p);
     s.light_group = lamp.light().light_group;
     s.visibility = lamp.light().visibility;
     s.cast_shadow = lamp.light().cast_shadow;

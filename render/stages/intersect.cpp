@@ -47,7 +47,7 @@ void Worker::meet_lamps(uint32_t index, float t_max) {
             RayHistory h = path.history;
             h.kinds = 0;
             ++h.depth;
-            pending_.push_back({program, lamp_point(s, h.origin), h, static_cast<uint32_t>(found_.size())});
+            pending_.push_back({program, lamp_point(lamp, s, h.origin), h, static_cast<uint32_t>(found_.size())});
             found_.push_back({index, value, lamp.light().light_group, false});
         } else {
             add_path_light(path, value, lamp.light().light_group, false);

@@ -115,6 +115,7 @@ void Worker::evaluate_emission() {
         }
         counters_.shading_points += n;
         const auto inputs = gather_.gather(program.plan, plan_->inputs, points_, histories_.data());
+        const SceneQueryScope scope(&plan_->query);
         executor_.run(*program.program, static_cast<uint32_t>(n), inputs);
         for (size_t i = 0; i < n; ++i) emission_[order_by_program_[first + i]] = emission_of(*program.program, executor_, i);
         first += n;

@@ -97,6 +97,7 @@ void Worker::shade_shadow_batch(const SceneProgram* program, std::span<const uin
     for (const RayHistory& h : shadow_history_) histories_.push_back(&h);
     counters_.shading_points += rays.size();
     const auto inputs = gather_.gather(program->plan, plan_->inputs, points_, histories_.data());
+    const SceneQueryScope scope(&plan_->query);
     executor_.run(*program->program, static_cast<uint32_t>(rays.size()), inputs);
     for (size_t k = 0; k < rays.size(); ++k) {
         ShadowRay& s = shadows_[rays[k]];

@@ -37,6 +37,7 @@ void Worker::shade_batch(const SceneProgram& program, const RenderPlan::SurfaceP
     }
     counters_.shading_points += paths.size();
     const auto inputs = gather_.gather(program.plan, plan_->inputs, points_, histories_.data());
+    const SceneQueryScope scope(&plan_->query);
     executor_.run(*program.program, static_cast<uint32_t>(paths.size()), inputs);
     gather_lobes(*program.program);
     for (size_t i = 0; i < paths.size(); ++i)

@@ -2,6 +2,7 @@
 import argparse
 import http.client
 import json
+import os
 import pathlib
 import re
 import statistics
@@ -108,9 +109,18 @@ def main():
     print("%-44s %8.2f ms   (%d instructions)" % ("compile a graph of 200 nodes", graph_figures["compile_200_nodes_ms"], graph_figures["compile_200_nodes_instructions"]))
     print("%-44s %8.3f ms" % ("one constant changed, same program", graph_figures["edit_constant_ms"]))
     print("%-44s %8.2f ms" % ("one constant changed, compiled again", graph_figures["edit_recompile_ms"]))
+    evaluator = graph_figures["evaluator"]
+    print("%-44s %s" % ("compile, microseconds a node", "   ".join("%s nodes %.2f" % item for item in evaluator["compile_us_per_node"].items())))
+    print("%-44s %8.3f" % ("10 nodes of 1,000 : the 10 alone", evaluator["ten_of_1000_nodes"]))
+    print("%-44s %8.3f       (an index that varies: %.3f)" % ("switch : its selected branch alone", evaluator["constant_switch"], evaluator["varying_switch"]))
+    print("%-44s %s" % ("mix, 0 at half of the points : at none", "   ".join("runs of %s %.3f" % item for item in evaluator["mix_half_zero"].items())))
     for name, by_isa in graph_figures["points_per_second"].items():
         scalar = by_isa["scalar"]
         print("%-44s %s" % ("points per second, one thread: " + name, "   ".join("%s %.2f M (%.1fx)" % (isa, rate / 1e6, rate / scalar) for isa, rate in by_isa.items())))
+    if os.environ.get("ALDER_BPY_PYTHON"):
+        subprocess.run([sys.executable, str(ROOT / "tests/bench/cycles_svm.py"), "--build", args.build], check=True)
+    else:
+        print("%-44s %s" % ("beside Cycles' SVM", "not run: ALDER_BPY_PYTHON names no Python with bpy (tests/bench/cycles_svm.py --help)"))
     if args.json:
         pathlib.Path(args.json).write_text(json.dumps(figures, indent=1))
 
