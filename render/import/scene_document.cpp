@@ -75,6 +75,28 @@ void read_materials(SceneReading& s, const json& j, const std::string& pointer) 
     }
 }
 
+/// What the program that wrote the document could not say in it: each line becomes a warning of the scene.
+void read_report(SceneReading& s, const json& j, const std::string& pointer) {
+    if (j.is_null()) return;
+    JsonReader r = s.object(j, pointer);
+    if (!r.ok()) return;
+    r.member("notes");
+    const json* list = r.member("unsupported");
+    r.finish();
+    if (!list || !list->is_array()) return;
+    for (size_t i = 0; i < list->size(); ++i) {
+        const json& entry = (*list)[i];
+        std::string what, where;
+        if (entry.is_object() && entry.contains("what") && entry["what"].is_string()) what = entry["what"];
+        if (entry.is_object() && entry.contains("where") && entry["where"].is_array()) {
+            for (const json& place : entry["where"]) {
+                if (place.is_string() && where.size() < 200) where += (where.empty() ? "" : ", ") + place.get<std::string>();
+            }
+        }
+        if (!what.empty()) add_warning(s.d, r.pointer_to("unsupported") + "/" + std::to_string(i), "not-exported", where.empty() ? "the scene" : where, what);
+    }
+}
+
 }  // namespace
 
 std::shared_ptr<const Material> read_graph(SceneReading& s, const json& j, const std::string& pointer) {
@@ -112,6 +134,7 @@ std::shared_ptr<const Scene> scene_from_json(const json& document, const SceneLo
     s.unsupported(top, "curves", "hair curves are not rendered yet");
     s.unsupported(top, "points", "point clouds are not rendered yet");
     s.unsupported(top, "volumes", "volumes are not rendered yet");
+    if (const json* j = top.member("report")) read_report(s, *j, top.pointer_to("report"));
     top.finish();
     if (d.errors.size() > faults) return nullptr;
     for (size_t i = earlier_warnings; i < d.warnings.size(); ++i) s.scene.warnings.push_back(d.warnings[i].line());

@@ -457,5 +457,19 @@ TEST(SceneDocument, files_are_told_apart_by_their_content) {
     EXPECT_EQ(d2.errors.at(0).code, "unreadable");
 }
 
+TEST(SceneDocument, the_writers_report_becomes_warnings) {
+    json document = minimal();
+    document["report"] = {{"unsupported", {{{"what", "hair curves"}, {"where", {"head", "arm"}}}, {{"what", "motion blur"}, {"where", json::array()}}}},
+                          {"notes", {{{"what", "denoising"}, {"where", {"scene"}}}}}};
+    Diagnostics d;
+    const auto scene = load(document, d);
+    ASSERT_NE(scene, nullptr);
+    ASSERT_EQ(scene->warnings.size(), 2u);
+    EXPECT_NE(scene->warnings[0].find("hair curves"), std::string::npos) << scene->warnings[0];
+    EXPECT_NE(scene->warnings[0].find("head, arm"), std::string::npos) << scene->warnings[0];
+    document["report"]["unsuported"] = json::array();
+    EXPECT_EQ(faults(document), std::vector<std::string>{"/report/unsuported unknown-member"});
+}
+
 }  // namespace
 }  // namespace alder
