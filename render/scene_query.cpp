@@ -137,4 +137,23 @@ void SurfaceQuery::bevel(const Point& point, float radius, int samples, float no
     for (int c = 0; c < 3; ++c) normal[c] = point.backfacing ? -n[c] : n[c];
 }
 
+bool SurfaceQuery::curvature(const Point& point, const float view[3], float radius, int side, float& value) const {
+    const Vec3f p = vec(point.p), n = vec(point.n), along = safe_normalize({view[0], view[1], view[2]});
+    if (point.instance < 0 || side < 1 || !(radius > 0) || !std::isfinite(radius) || !is_finite(p) || !is_finite(along) || is_black(along)) return false;
+    const Frame frame = frame_about(n);
+    SphereFit fit(radius);
+    for (int i = 0; i < side * side; ++i) {
+        // The middle of each stratum: the same for every sample of a pixel.
+        const Disk d = uniform_disk((static_cast<float>(i % side) + 0.5f) / static_cast<float>(side), (static_cast<float>(i / side) + 0.5f) / static_cast<float>(side));
+        const Ray ray{p + (frame.x * d.x + frame.y * d.y) * radius - along * (0.5f * radius), along, 0, radius};
+        Hit hit;
+        if (!surfaces_.accel().intersect(ray, kVisibleAll, hit)) continue;
+        const ShadingPoint s = surfaces_.point(hit.instance, hit.triangle, hit.u, hit.v, ray.direction, hit.t);
+        const Vec3f normal = s.backfacing ? -s.n : s.n;
+        const double q[3] = {double(s.p.x) - p.x, double(s.p.y) - p.y, double(s.p.z) - p.z}, m[3] = {normal.x, normal.y, normal.z};
+        fit.add(q, m);
+    }
+    return fit.curvature(value);
+}
+
 }  // namespace alder

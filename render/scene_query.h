@@ -11,6 +11,7 @@ class SurfaceQuery final : public SceneQuery {
     explicit SurfaceQuery(const Surfaces& surfaces) : surfaces_(surfaces) {}
     float unoccluded(const Point& point, const float normal[3], float distance, int samples, bool only_local) const override;
     void bevel(const Point& point, float radius, int samples, float normal[3]) const override;
+    bool curvature(const Point& point, const float view[3], float radius, int side, float& value) const override;
 
   private:
     bool meets_instance(Ray ray, uint32_t instance) const;

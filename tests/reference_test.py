@@ -88,7 +88,7 @@ class Case:
             self.closure(case)
         elif "outputs" in case:
             self.cycles(case, folder)
-        elif "output" in case and "params" in case and not case.get("basis") and not case.get("links"):
+        elif "output" in case and "params" in case and not case.get("basis") and not case.get("links") and "hits" not in case:
             self.alshaders(case)
 
     def cycles(self, case, folder):

@@ -4,48 +4,12 @@
 #define HWY_TARGET_INCLUDE "nodes/input/ambient_occlusion.cpp"
 #include "hwy/foreach_target.h"
 
-#include "nodes/input/scene_query.h"
+#include "nodes/input/scene_query-inl.h"
 #include "nodes/kernel-inl.h"
 #include "nodes/math/cycles-inl.h"
-#include "nodes/noise/hash-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
-
-// Channels of the surface that both kernels end with, from `first`: P 0, Ng 3, N 6, I 9, instance 12, position error 13, backfacing 14.
-enum { kSurfaceChannels = 15 };
-
-/// Lanes of the surface channels in memory, and one lane of them as a point.
-template <class F>
-struct PointLanes {
-    alignas(64) float v[kSurfaceChannels][kMostLanes<F>];
-    alignas(64) int32_t seed[kMostLanes<F>];
-
-    HWY_INLINE void load(Lanes<F> k, int first) {
-        for (int c = 0; c < kSurfaceChannels; ++c) store_floats(k.f(first + c), v[c]);
-        // Random by where the point is and whence it is seen: the same for any thread, another for every sample of a pixel.
-        const Vec3<F> p = k.v(first), i = k.v(first + 9);
-        const Int<F> h = hash_uint4(float_bits(p.x), float_bits(p.y), float_bits(p.z), float_bits(i.x));
-        store_ints<F>(hash_uint3(h, float_bits(i.y), float_bits(i.z)), seed);
-    }
-    HWY_INLINE SceneQuery::Point point(size_t lane) const {
-        SceneQuery::Point r;
-        for (int c = 0; c < 3; ++c) {
-            r.p[c] = v[c][lane];
-            r.ng[c] = v[3 + c][lane];
-            r.n[c] = v[6 + c][lane];
-        }
-        r.instance = v[12][lane] >= 0 && v[12][lane] < 16777216 ? static_cast<int>(v[12][lane]) : -1;
-        r.position_error = v[13][lane];
-        r.backfacing = v[14][lane] != 0;
-        r.seed = static_cast<uint32_t>(seed[lane]);
-        return r;
-    }
-    static HWY_INLINE size_t count(Lanes<F> k) {
-        const size_t width = NumOf<F>::width();
-        return k.i + width <= k.call.n ? width : k.call.n - k.i;
-    }
-};
 
 /// Distance 0, normal 1, surface 4.
 struct AmbientOcclusion {
@@ -114,19 +78,12 @@ ALDER_KERNEL(bevel)
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include "graph/lowering.h"
+#include "nodes/input/scene_query_operands.h"
 
 namespace alder {
 ALDER_KERNEL_EXPORT(ambient_occlusion)
 ALDER_KERNEL_EXPORT(tinted)
 ALDER_KERNEL_EXPORT(bevel)
-
-static void add_surface(Lowering& l, std::vector<ValueRef>& operands) {
-    for (Global g : {Global::P, Global::Ng, Global::N, Global::I}) operands.push_back(l.global(g));
-    operands.push_back(l.attribute(kSceneInstance, Type::Float));
-    operands.push_back(l.attribute(kScenePositionError, Type::Float));
-    operands.push_back(l.global(Global::Backfacing));
-}
 
 ALDER_NODE {
     using namespace param;
@@ -150,7 +107,7 @@ ALDER_NODE {
     n.cost_ns = 3000;
     n.lower = [](Lowering& l, int output) {
         std::vector<ValueRef> operands{l.input(4), l.input(5)};
-        add_surface(l, operands);
+        add_scene_operands(l, operands);
         const ValueRef open = l.op("ambient_occlusion", ambient_occlusion_kernel(), operands, Type::Float);
         if (output == 1) return l.result(open);
         const ValueRef tint[] = {l.input(3), open};
@@ -178,7 +135,7 @@ ALDER_NODE {
     n.cost_ns = 3000;
     n.lower = [](Lowering& l, int) {
         std::vector<ValueRef> operands{l.input(1), l.input(2), l.global(Global::DiffuseDepth), l.global(Global::PreviousAlpha)};
-        add_surface(l, operands);
+        add_scene_operands(l, operands);
         l.result(l.op("bevel", bevel_kernel(), operands, Type::Vector));
     };
     return n;
