@@ -13,7 +13,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "..", "clients", "blender"))
 
 from alder_blender.graph import GraphWriter, output_node  # noqa: E402
 from alder_blender.report import Report  # noqa: E402
-from alder_blender.values import number  # noqa: E402
+from alder_blender.values import number, random_id  # noqa: E402
 from blender_mock import RGBA, SHADER, VALUE, VECTOR, Socket, Tree  # noqa: E402
 
 ALDER = os.path.join(os.environ.get("ALDER_BINARY_DIR") or os.path.join(HERE, "..", "..", "build"), "alder")
@@ -146,6 +146,11 @@ class Graphs(unittest.TestCase):
 
     def test_numbers_that_json_cannot_hold(self):
         self.assertEqual([number(x) for x in (float("nan"), float("inf"), -float("inf"), 0.1, 3, True)], ["nan", "inf", "-inf", 0.1, 3, True])
+
+    def test_random_numbers_of_objects_are_cycles(self):
+        # Object Info's Random as Cycles 4.5 renders it for objects of these names.
+        for name, random in (("box", 0.7685173153877258), ("Suzanne.001", 0.45797663927078247), ("W\u00fcrfel", 0.570206880569458)):
+            self.assertAlmostEqual(random_id(name) / 0xffffffff, random, 6, name)
 
 
 class Groups(unittest.TestCase):

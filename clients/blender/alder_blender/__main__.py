@@ -25,6 +25,10 @@ def main(arguments=None):
         import bpy
     except ImportError:
         return _fail("this Python has no bpy: pip install bpy, or run inside Blender (see --help)")
+    try:
+        import numpy  # noqa: F401
+    except ImportError:
+        return _fail("this Python has no numpy (Debian: apt-get install python3-numpy)")
     from . import engine
     from .report import ExportError
 

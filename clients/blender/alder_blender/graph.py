@@ -9,7 +9,10 @@ OUTPUTS = {"material": "ShaderNodeOutputMaterial", "world": "ShaderNodeOutputWor
 # Cycles does not render these either, or only with a compiler that Alder does not have.
 REFUSED = {"ShaderNodeScript": "OSL scripts", "ShaderNodeCustomGroup": "custom node groups", "ShaderNodeEeveeSpecular": "an EEVEE node",
            "ShaderNodeShaderToRGB": "an EEVEE node", "ShaderNodeOutputLineStyle": "a line style", "ShaderNodeSqueeze": "an obsolete node",
-           "ShaderNodeTexPointDensity": "point densities", "ShaderNodeUVAlongStroke": "a line style"}
+           "ShaderNodeTexPointDensity": "point densities", "ShaderNodeUVAlongStroke": "a line style",
+           "ShaderNodeRadialTiling": "new in Blender 5.0"}
+# Sockets of Blender 5.0 that Alder's nodes do not have; without effect while the first of them is 0.
+NEWER = {"ShaderNodeBsdfGlass": ("Thin Film Thickness", "Thin Film IOR"), "ShaderNodeBsdfMetallic": ("Thin Film Thickness", "Thin Film IOR")}
 SOCKET_TYPES = ("NodeSocketFloat", "NodeSocketInt", "NodeSocketBool", "NodeSocketColor", "NodeSocketVector", "NodeSocketShader")
 # Constants that Blender keeps on output sockets.
 ON_OUTPUT = {"ShaderNodeValue": "Value", "ShaderNodeRGB": "Color", "ShaderNodeNormal": "Normal"}
@@ -219,6 +222,11 @@ class _Walk:
                 params[ON_OUTPUT[node.bl_idname]] = values.socket_value(socket)
         for socket in node.inputs:
             if not is_on(socket) or getattr(socket, "bl_idname", "") == "NodeSocketVirtual":
+                continue
+            newer = NEWER.get(node.bl_idname, ())
+            if socket.identifier in newer:
+                if socket.identifier == newer[0] and (self.source(node, socket) is not None or socket.default_value != 0):
+                    self.w.report.unsupported("socket %s of %s" % (socket.identifier, node.bl_idname), place)
                 continue
             value = self.linked(node, socket)
             # A socket without a field in the editor means "the usual": its stored number is not one that somebody set.

@@ -12,8 +12,9 @@ from .images import Images
 from .report import ExportError, Report
 
 MESH_TYPES = {"MESH"}
-CONVERTED_TYPES = {"CURVE", "SURFACE", "FONT", "META"}
-INVISIBLE_TYPES = {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE", "CAMERA"}
+CONVERTED_TYPES = {"META"}
+# Curves, surfaces and texts are listed a second time, as instances of the meshes they become.
+INVISIBLE_TYPES = {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE", "CAMERA", "CURVE", "SURFACE", "FONT"}
 UNSUPPORTED_TYPES = {"CURVES": "hair curves", "POINTCLOUD": "point clouds", "VOLUME": "volume objects", "GPENCIL": "grease pencil",
                      "GREASEPENCIL": "grease pencil"}
 MOST_LIGHT_GROUPS = 8
@@ -174,7 +175,7 @@ class SceneExporter:
             if group is not None:
                 a, b, c, _ = i.matrix_world
                 group[2].extend((*a, *b, *c))
-                group[3].append(i.random_id)
+                group[3].append(i.random_id if i.is_instance else values.random_id(o.original.name))
 
     def _particles(self, o, instance):
         if instance.is_instance:
@@ -221,7 +222,8 @@ class SceneExporter:
         group = getattr(o, "lightgroup", "")
         if group in self.light_groups:
             member["light_group"] = self.light_groups[group]
-        label = "%s/%s" % (parent.original.name_full, name) if is_instance and parent is not None else name
+        by = parent.original.name_full if is_instance and parent is not None else name
+        label = "%s/%s" % (by, name) if by != name else name
         label = self._free(label, self.document["instances"])
         self.document["instances"][label] = member
         group = self.groups[label] = [label, member, [], []]
@@ -262,7 +264,9 @@ class SceneExporter:
             out = meshes.export_mesh(mesh, self.box, self.report, name, self._deformed if self._uses_generated(o) else None)
             if out is not None:
                 slots = meshes.slots_needed(mesh)
-                label = self._free(name if converted else o.data.original.name_full if o.data.original else o.data.name_full, self.document["meshes"])
+                # What modifiers made has a name of its own that says nothing.
+                original = o.original.data
+                label = self._free(original.name_full if original is not None and not converted else name, self.document["meshes"])
                 self.document["meshes"][label] = out
         if converted and mesh is not None:
             o.to_mesh_clear()

@@ -52,3 +52,25 @@ def texture_mapping(mapping):
     out = {"vector_type": mapping.vector_type, "translation": numbers(mapping.translation), "rotation": numbers(mapping.rotation),
            "scale": numbers(mapping.scale), "mapping_x": mapping.mapping_x, "mapping_y": mapping.mapping_y, "mapping_z": mapping.mapping_z}
     return None if out == IDENTITY_MAPPING else out
+
+
+def random_id(name):
+    """Blender's number of an object that is not an instance, from its name: a string hash, mixed as the last step of Jenkins' lookup3
+    (public domain, 2006)."""
+    mask = 0xffffffff
+    h = 0
+    for byte in name.encode():
+        h = (h * 37 + byte) & mask
+    a = b = c = (0xdeadbeef + (2 << 2) + 13) & mask
+    a = (a + h) & mask
+
+    def rotated(x, k):
+        return ((x << k) | (x >> (32 - k))) & mask
+
+    c = ((c ^ b) - rotated(b, 14)) & mask
+    a = ((a ^ c) - rotated(c, 11)) & mask
+    b = ((b ^ a) - rotated(a, 25)) & mask
+    c = ((c ^ b) - rotated(b, 16)) & mask
+    a = ((a ^ c) - rotated(c, 4)) & mask
+    b = ((b ^ a) - rotated(a, 14)) & mask
+    return ((c ^ b) - rotated(b, 24)) & mask
