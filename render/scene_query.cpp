@@ -138,7 +138,7 @@ void SurfaceQuery::bevel(const Point& point, float radius, int samples, float no
 }
 
 bool SurfaceQuery::curvature(const Point& point, const float view[3], float radius, int side, float& value) const {
-    const Vec3f p = vec(point.p), n = vec(point.n), along = safe_normalize({view[0], view[1], view[2]});
+    const Vec3f p = vec(point.p), n = vec(point.n), along = safe_normalize(Vec3f(view[0], view[1], view[2]));
     if (point.instance < 0 || side < 1 || !(radius > 0) || !std::isfinite(radius) || !is_finite(p) || !is_finite(along) || is_black(along)) return false;
     const Frame frame = frame_about(n);
     SphereFit fit(radius);

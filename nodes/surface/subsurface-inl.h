@@ -13,20 +13,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 
-/// Reduced albedo that gives a dipole the diffuse reflectance `albedo` (Jensen et al. 2001, equation 15, without the normalising
-/// square of Jensen's later form): twelve halvings, as Cycles does.
+/// sqrt(3 (1 - alpha')) of the dipole whose diffuse reflectance is `albedo` (Jensen et al. 2001, equation 15: alpha'/2 (1 + e^(-4/3 A s)) e^-s).
+/// Cycles halves the interval of alpha' twelve times, which leaves up to 1 % to the step; s itself is searched here, and converges.
 template <class F>
-HWY_INLINE F dipole_reduced_albedo(F albedo, F four_thirds_a) {
-    F low = F(0), high = F(1), middle = F(0.5);
-    for (int i = 0; i < 12; ++i) {
+HWY_INLINE F dipole_decay(F albedo, F four_thirds_a) {
+    F low = F(0), high = F(1.7320508075688772), middle = F(0.8);
+    for (int i = 0; i < 24; ++i) {
         middle = F(0.5) * (low + high);
-        const F s = sqrt(F(3) * (F(1) - middle));
-        const F reflected = F(0.5) * middle * (F(1) + exp(-four_thirds_a * s)) * exp(-s);
-        const Mask<F> below = reflected < albedo;
-        low = select(below, middle, low);
-        high = select(below, high, middle);
+        const F reflected = F(0.5) * (F(1) - middle * middle * F(1.0 / 3)) * (F(1) + exp(-four_thirds_a * middle)) * exp(-middle);
+        const Mask<F> above = reflected > albedo;
+        low = select(above, middle, low);
+        high = select(above, high, middle);
     }
-    return select(albedo < F(1e-4), F(0), select(albedo >= F(0.995), F(0.999999), middle));
+    return select(albedo < F(1e-4), F(1.7320508075688772), select(albedo >= F(0.995), F(1.7320508075688772e-3), middle));
 }
 
 /// Mean free path of one channel from Blender's radius.
@@ -35,7 +34,7 @@ HWY_INLINE F skin_mean_free_path(F radius, F albedo, F ior) {
     const F inverse = F(1) / ior;
     const F diffuse_fresnel = inverse * (F(0.710) - F(1.440) * inverse) + F(0.668) + F(0.0636) * ior;
     const F four_thirds_a = F(4.0 / 3.0) * (F(1) + diffuse_fresnel) / (F(1) - diffuse_fresnel);
-    return radius * sqrt(F(3) * (F(1) - dipole_reduced_albedo(albedo, four_thirds_a)));
+    return radius * dipole_decay(albedo, four_thirds_a);
 }
 
 /// `weight` over the lobe that walks and, in channels whose radius is too small to walk, Lambert.

@@ -162,8 +162,11 @@ bool walk_inside(const Surfaces& surfaces, const ShadingPoint& entry, const Lobe
     reduced.sigma_t = sigma_t - as_given.sigma_s + reduced.sigma_s;
     reduced.guided = 0.75f;
 
-    Vec3f p = leave_surface(entry, direction);
+    // From the surface itself: a start moved off it by its rounding error would lengthen the way out of a dense body. The first ray
+    // overlooks what is that near instead.
+    Vec3f p = entry.p;
     const Vec3f start = p;
+    const float clear = entry.error / std::max(-dot(entry.ng, direction), 1e-3f);
     bool opposite = false;  // the body is thin here: a second surface was seen at the first step
     float thickness = 0;
     for (int step = 0; step < kMostSteps; ++step) {
@@ -207,7 +210,7 @@ bool walk_inside(const Surfaces& surfaces, const ShadingPoint& entry, const Lobe
         if (!std::isfinite(t)) return false;
         const float longest = step == 0 ? std::max(t, 10 / std::min({m.sigma_t.x, m.sigma_t.y, m.sigma_t.z})) : t;
         ++rays;
-        bool surface = surfaces.accel().intersect_instance(entry.instance, {p, direction, 0, std::min(longest, 1e30f)}, exit.hit);
+        bool surface = surfaces.accel().intersect_instance(entry.instance, {p, direction, step == 0 ? clear : 0.f, std::max(clear, std::min(longest, 1e30f))}, exit.hit);
         if (step == 0 && surface) {
             opposite = true;
             thickness = std::max(dot(p + direction * exit.hit.t - start, -n), 0.f);

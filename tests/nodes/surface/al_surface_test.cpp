@@ -217,11 +217,12 @@ TEST(al_surface, what_would_change_the_picture_and_is_not_there_is_refused) {
         const auto errors = SurfaceNode(params, links).faults();
         return errors.empty() ? std::string() : errors.size() > 1 ? "several" : errors[0].substr(0, errors[0].find(':'));
     };
-    EXPECT_EQ(fault({{"sssMix", 0.5}}), "sssMix");
-    EXPECT_EQ(fault({}, {"sssMix"}), "sssMix");
-    EXPECT_EQ(fault({{"sssMix", 0.009}}), "") << "below 0.01 is off";
-    EXPECT_EQ(fault({{"sssMix", 1}, {"diffuseStrength", 0}}), "");
-    EXPECT_EQ(fault({{"sssMix", 1}, {"sssWeight1", 0}}), "") << "no weights, no scattering";
+    EXPECT_EQ(fault({{"sssMix", 0.5}}), "");
+    EXPECT_EQ(fault({{"sssMix", 0.5}, {"sssMode", "diffusion"}}), "sssMode");
+    EXPECT_EQ(fault({{"sssMode", "directional"}}, {"sssMix"}), "sssMode");
+    EXPECT_EQ(fault({{"sssMode", "directional"}, {"sssMix", 0.009}}), "") << "below 0.01 is off";
+    EXPECT_EQ(fault({{"sssMode", "directional"}, {"sssMix", 1}, {"diffuseStrength", 0}}), "");
+    EXPECT_EQ(fault({{"sssMode", "directional"}, {"sssMix", 1}, {"sssWeight1", 0}}), "") << "no weights, no scattering";
     EXPECT_EQ(fault({{"ssAttenuationColor", {1, 0.9, 1}}}), "") << "no transmission";
     EXPECT_EQ(fault({{"ssAttenuationColor", {1, 0.9, 1}}, {"transmissionStrength", 1}}), "ssAttenuationColor");
     EXPECT_EQ(fault({{"ssInScatteringStrength", 1}, {"transmissionStrength", 1}}), "ssInScatteringStrength");
@@ -240,7 +241,8 @@ TEST(al_surface, what_would_change_the_picture_and_is_not_there_is_refused) {
 TEST(al_surface, metallic_specular_reflects_the_colour_of_the_metal_and_casts_a_full_shadow) {
     const json gold = {{"specular1FresnelMode", "metallic"}, {"specular1Reflectivity", {0.9, 0.7, 0.3}}, {"specular1Roughness", 0},
                        {"transmissionStrength", 0.5}};
-    const auto lobes = SurfaceNode(gold).run();
+    SurfaceNode node(gold);  // the lobes refer to its specs
+    const auto lobes = node.run();
     const MicrofacetLayout at(*lobes[kSpecular1].spec);
     for (int c = 0; c < 3; ++c) {
         const double n = lobes[kSpecular1].p[at.f0 + c], k = lobes[kSpecular1].p[at.edge + c];

@@ -196,14 +196,21 @@ TEST(closure_nodes, constants_decide_which_lobes_exist) {
     EXPECT_FALSE(plain.at(view_from(0, 1))[0].spec->has_tangent());
 }
 
-TEST(closure_nodes, subsurface_is_refused) {
-    for (const json& weight : {json(0.5), json({{"attribute", "a"}})}) {
-        Diagnostics d;
-        const json document = {{"version", 1}, {"nodes", {{"s", {{"type", "ShaderNodeBsdfPrincipled"}, {"params", {{"Subsurface Weight", weight}}}}}}},
-                               {"outputs", {{"surface", {{"node", "s"}}}}}};
-        EXPECT_EQ(build_material(document, {}, d), nullptr);
-        ASSERT_EQ(d.errors.size(), 1u);
-        EXPECT_NE(d.errors[0].line().find("subsurface"), std::string::npos) << d.errors[0].line();
+TEST(closure_nodes, subsurface_shares_the_base_with_diffuse) {
+    for (const auto& [weight, deep, diffuse] : {std::tuple{0.0, 0.0, 0.5}, {0.25, 0.125, 0.375}, {1.0, 0.5, 0.0}}) {
+        MaterialLobes m("ShaderNodeBsdfPrincipled", {{"Subsurface Weight", weight}, {"Base Color", {0.5, 0.5, 0.5}}, {"Specular IOR Level", 0},
+                                                             {"Subsurface Scale", 2}, {"Subsurface Radius", {1, 0.5, 0}}});
+        double walks[3] = {}, matte[3] = {};
+        for (const Lobe<double>& l : m.at(view_from(0.5, 1)))
+            for (int c = 0; c < 3; ++c) {
+                if (l.spec->kind == LobeKind::RandomWalk) walks[c] += l.weight[c];
+                if (l.spec->kind == LobeKind::Diffuse) matte[c] += l.weight[c];
+            }
+        EXPECT_NEAR(walks[0], deep, 1e-6);
+        EXPECT_NEAR(walks[1], deep, 1e-6);
+        EXPECT_EQ(walks[2], 0) << "no radius, no walk";
+        EXPECT_NEAR(matte[0], diffuse, 1e-6);
+        EXPECT_NEAR(matte[2], diffuse + deep, 1e-6) << "what cannot walk is Lambert";
     }
 }
 
