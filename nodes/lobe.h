@@ -89,7 +89,7 @@ struct LobeSpec {
     int8_t order = 0;        ///< HairOrder: passes through the fibre (0 R, 1 TT, 2 TRT, 3 all further); HairDual: which part; variant of
                              ///< subsurface kinds
     bool own_normal = false; ///< subsurface kinds: the normal is not the surface's, so that it is evaluated where light leaves, too
-    bool cycles_profile = false;  ///< Profile: Cycles' rules (Lambert after a diffuse scattering, its weights of probes)
+    bool cycles_profile = false;  ///< subsurface kinds: Cycles' rules (Lambert after a diffuse scattering; its weights of probes)
     /// Tables the lobe reads: the node's own, set by the graph compiler (Statics::prepared).
     std::shared_ptr<const Prepared> prepared = {};
     /// Indices of node parameters any of which makes the lobe vanish when constant and black/zero.

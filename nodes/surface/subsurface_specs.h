@@ -8,7 +8,7 @@ namespace alder {
 inline void set_subsurface_specs(LobeSpec& deep, LobeSpec& shallow, int method, bool own_normal) {
     deep.kind = method == 0 ? LobeKind::Profile : LobeKind::RandomWalk;
     deep.order = method == 2 ? 1 : 0;
-    deep.cycles_profile = method == 0;
+    deep.cycles_profile = true;
     deep.own_normal = own_normal;
     deep.label = LobeLabel::Sss;
     deep.cycles_normal = false;

@@ -80,7 +80,7 @@ std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
             if (both ? !s.caustics_reflective && !s.caustics_refractive : refracts ? !s.caustics_refractive : !s.caustics_reflective) continue;
         }
         lobes_[count] = load_lobe(spec, c, i);
-        // Profiles are worth their noise where the eye sees them: after a diffuse scattering Cycles takes Lambert instead.
+        // Subsurface light is worth its noise where the eye sees it: after a diffuse scattering Cycles takes Lambert instead.
         if (spec.cycles_profile && path.flags & kDiffuseBefore) lobes_[count].spec = &kLambert;
         ++count;
     }
