@@ -65,8 +65,6 @@ int run(const Options& o) {
     auto scene = load_scene(o.scene, load, d);
     report(o.scene, d);
     if (!scene) fail(kWrong, o.scene + ": cannot be used");
-    if (!o.quiet)
-        for (const std::string& w : scene->warnings) std::fprintf(stderr, "alder: warning: %s: %s\n", o.scene.c_str(), w.c_str());
     scene = apply_settings(scene, o.settings);
     if (!o.texture_filter.empty() || !o.noise_filter.empty()) {
         auto filtered = std::make_shared<Scene>(*scene);
