@@ -80,6 +80,7 @@ struct Light {
     Vec3f color{1, 1, 1};        ///< multiplies strength
     float strength = 0;          ///< Blender's units: W for point, spot, area; W/m^2 for sun
     float radius = 0;            ///< point, spot: sphere radius
+    bool soft_falloff = false;   ///< point, spot: a disk that faces whoever looks takes the place of the sphere (Blender's Soft Falloff)
     float spot_angle = 0.785398f;///< full cone, radians
     float spot_blend = 0.15f;
     float angle = 0;             ///< sun: angular diameter, radians

@@ -145,6 +145,7 @@ void read_light(SceneReading& s, const std::string& name, const json& j, const s
     r.vector("color", l.color);
     r.number("strength", l.strength);
     r.number("radius", l.radius, 0);
+    r.boolean("soft_falloff", l.soft_falloff);
     r.degrees("spot_angle_degrees", l.spot_angle, 0, 180);
     r.number("spot_blend", l.spot_blend, 0, 1);
     r.degrees("angle_degrees", l.angle, 0, 180);

@@ -157,7 +157,7 @@ class SceneWriter {
     json light(const Light& l) const {
         json j{{"type", kLightNames[int(l.kind)]}, {"transform", transform(l.to_world)}, {"color", vector(l.color)}, {"strength", number(l.strength)},
                {"visibility", visibility(l.visibility)}, {"cast_shadow", l.cast_shadow}, {"light_group", l.light_group}, {"normalize", l.normalize},
-               {"radius", number(l.radius)}, {"spot_angle_degrees", degrees(l.spot_angle)}, {"spot_blend", number(l.spot_blend)},
+               {"radius", number(l.radius)}, {"soft_falloff", l.soft_falloff}, {"spot_angle_degrees", degrees(l.spot_angle)}, {"spot_blend", number(l.spot_blend)},
                {"angle_degrees", degrees(l.angle)}, {"shape", kShapeNames[int(l.shape)]}, {"size", {number(l.size_x), number(l.size_y)}},
                {"spread_degrees", degrees(l.spread)}};
         if (l.graph) j["graph"] = l.graph->document();

@@ -158,7 +158,45 @@ float Lamp::sphere_density(float distance2) const {
     return cone_density(one_minus_cos_from_sin2(r2 / distance2));
 }
 
+/// The disk about the lamp's centre that faces p: its light falls off softly where a surface cuts through the lamp.
+bool Lamp::sample_disk(Vec3f p, float u1, float u2, LampSample& s) const {
+    const Vec3f axis = safe_normalize(p - co_);
+    if (alder::is_black(axis)) return false;
+    const Frame frame = frame_about(axis);
+    const Disk d = uniform_disk(u1, u2);
+    const Vec3f to = co_ + (frame.x * d.x + frame.y * d.y) * radius_ - p;
+    const float d2 = dot(to, to);
+    s.distance = std::sqrt(d2);
+    if (!(s.distance > 0)) return false;
+    s.wi = to / s.distance;
+    const float cos_lamp = -dot(axis, s.wi);
+    if (!(cos_lamp > 0)) return false;
+    s.pdf = kInvPi * d2 / (sqr(radius_) * cos_lamp);
+    s.ng = -s.wi;
+    s.radiance = radiance_ * spot_attenuation(-s.wi);
+    s.u = s.v = 0.5f;
+    return std::isfinite(s.pdf) && !alder::is_black(s.radiance);
+}
+
+bool Lamp::intersect_disk(Vec3f p, Vec3f direction, float t_min, float t_max, LampSample& s) const {
+    const Vec3f to_center = co_ - p, axis = safe_normalize(-to_center);
+    const float cos_lamp = -dot(axis, direction);
+    if (!(cos_lamp > 0)) return false;
+    const float t = length(to_center) / cos_lamp;
+    if (!(t > t_min && t < t_max)) return false;
+    const Vec3f off = direction * t - to_center;
+    if (!(dot(off, off) <= sqr(radius_))) return false;
+    s.wi = direction;
+    s.distance = t;
+    s.pdf = kInvPi * sqr(t) / (sqr(radius_) * cos_lamp);
+    s.ng = -direction;
+    s.radiance = radiance_ * spot_attenuation(-direction);
+    s.u = s.v = 0.5f;
+    return std::isfinite(s.pdf);
+}
+
 bool Lamp::sample_sphere(Vec3f p, float u1, float u2, LampSample& s) const {
+    if (light_.soft_falloff && !is_delta_) return sample_disk(p, u1, u2, s);
     const Vec3f to_center = co_ - p;
     const float d2 = dot(to_center, to_center), d = std::sqrt(d2);
     if (is_delta_) {
@@ -190,6 +228,7 @@ bool Lamp::sample_sphere(Vec3f p, float u1, float u2, LampSample& s) const {
 }
 
 bool Lamp::intersect_sphere(Vec3f p, Vec3f direction, float t_min, float t_max, LampSample& s) const {
+    if (light_.soft_falloff) return intersect_disk(p, direction, t_min, t_max, s);
     const Vec3f to_center = co_ - p;
     const float d2 = dot(to_center, to_center), b = dot(to_center, direction), r2 = sqr(radius_);
     // Distance of the ray from the centre by the cross product: no cancellation for far, small lamps.

@@ -1,7 +1,8 @@
 // Lamps: point, spot, sun and area lights in Blender's units, sampled from a point and met by a ray.
 //
 // Units, as Cycles has them (strength S times colour):
-//   point, spot   S watt: radiant intensity S / (4 pi) in every direction; as a sphere of radius r radiance S / (4 pi^2 r^2)
+//   point, spot   S watt: radiant intensity S / (4 pi) in every direction; as a sphere of radius r radiance S / (4 pi^2 r^2), and
+//                 the same as a disk of radius r that faces the point lit (soft falloff)
 //   area          S watt: radiance S / (pi A), Lambertian; with a spread below 180 degrees attenuated and renormalised
 //   sun           S watt/m^2: irradiance S on a plane that faces it
 // Without `normalize` S / pi is the radiance (area, spheres) whatever the size.
@@ -49,6 +50,8 @@ class Lamp {
   private:
     bool sample_sphere(Vec3f p, float u1, float u2, LampSample& s) const;
     bool sample_area(Vec3f p, float u1, float u2, LampSample& s) const;
+    bool sample_disk(Vec3f p, float u1, float u2, LampSample& s) const;
+    bool intersect_disk(Vec3f p, Vec3f direction, float t_min, float t_max, LampSample& s) const;
     bool intersect_sphere(Vec3f p, Vec3f direction, float t_min, float t_max, LampSample& s) const;
     bool intersect_area(Vec3f p, Vec3f direction, float t_min, float t_max, LampSample& s) const;
     float sphere_density(float distance2) const;

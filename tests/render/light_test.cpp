@@ -31,6 +31,9 @@ std::vector<std::pair<const char*, Light>> all_lamps() {
     spot.radius = 0.2f;
     spot.spot_angle = 1.2f;
     list.push_back({"spot", spot});
+    point.soft_falloff = spot.soft_falloff = true;
+    list.push_back({"disk that faces the point", point});
+    list.push_back({"spot with soft falloff", spot});
     Light sun = lamp_of(LightKind::Sun, above);
     sun.angle = 0.5f;
     list.push_back({"sun", sun});
@@ -99,6 +102,28 @@ TEST(Lamp, mean_inverse_density_is_the_solid_angle) {
         if (light.kind == LightKind::Spot) continue;  // samples outside the cone are refused
         EXPECT_NEAR(inverse / n, expected, 5 * 4 * kPi * std::sqrt(hits) / n + 1e-3 * expected) << name;
     }
+}
+
+/// A disk that faces the point sends, far away, what a sphere of the same radius does; at its middle it does not blow up.
+TEST(Lamp, soft_falloff_keeps_the_intensity) {
+    Light soft = lamp_of(LightKind::Point, Transform{});
+    soft.radius = 0.5f;
+    Light hard = soft;
+    soft.soft_falloff = true;
+    const auto irradiance = [](const Light& light, float distance) {
+        const Lamp lamp(light);
+        double sum = 0;
+        std::mt19937 rng(3);
+        std::uniform_real_distribution<float> u(0, 1);
+        for (int i = 0; i < 100000; ++i) {
+            LampSample s;
+            if (lamp.sample({0, 0, -distance}, u(rng), u(rng), s) && s.wi.z > 0) sum += s.radiance.x * s.wi.z / s.pdf / 100000;
+        }
+        return sum;
+    };
+    EXPECT_NEAR(irradiance(soft, 50) / irradiance(hard, 50), 1, 2e-3);
+    // E = pi L r^2 / (r^2 + d^2) of a disk, pi L r^2 / d^2 of a sphere.
+    for (const float d : {0.6f, 1.f, 2.f}) EXPECT_NEAR(irradiance(soft, d) / irradiance(hard, d), d * d / (d * d + 0.25f), 5e-3) << d;
 }
 
 /// Few emitters are weighed for each point: probabilities add to one, agree with what is picked, and favour the near one.

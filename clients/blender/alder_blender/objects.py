@@ -81,7 +81,7 @@ def export_light(o, light, report):
     if light.type in ("POINT", "SPOT"):
         out["radius"] = number(light.shadow_soft_size)
         if getattr(light, "use_soft_falloff", False) and light.shadow_soft_size > 0:
-            report.note("soft falloff of a point or spot light (rendered as a sphere)", o.name)
+            out["soft_falloff"] = True
     if light.type == "SPOT":
         out["spot_angle_degrees"] = degrees(light.spot_size)
         out["spot_blend"] = number(light.spot_blend)
