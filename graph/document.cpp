@@ -258,6 +258,21 @@ bool Reader::read_link(const json& value, const std::string& pointer, DocLink& o
     return true;
 }
 
+/// What is linked to Blender's output node beside the surface counts as an output of the document.
+void Reader::read_output_node(const Pending& p, DocOutputs& out) {
+    if (!p.node->type->name.starts_with("ShaderNodeOutput")) return;
+    const auto& params = p.node->type->params;
+    for (size_t i = 0; i < params.size() && i < p.node->params.size(); ++i) {
+        if (p.node->params[i].kind != DocValue::Link) continue;
+        if (params[i].name == "Volume")
+            error(p.pointer + "/params/Volume", "unsupported", "a volume", "nothing: volumes are not available in this version");
+        if (params[i].name != "Displacement") continue;
+        const auto& outputs = p.node->type->outputs;
+        const auto socket = std::find_if(outputs.begin(), outputs.end(), [](const auto& s) { return s.name == "Displacement"; });
+        if (socket != outputs.end()) out.displacement = {out.surface.node, static_cast<int>(socket - outputs.begin())};
+    }
+}
+
 void Reader::read_outputs() {
     document_ = std::make_shared<Document>();
     if (!json_.contains("outputs")) return;
@@ -274,9 +289,10 @@ void Reader::read_outputs() {
         }
     };
     closure("surface", out.surface);
+    if (out.surface.node >= 0) read_output_node(pending_[out.surface.node], out);
     if (o.contains("volume") && !o["volume"].is_null())
         error("/outputs/volume", "unsupported", "a volume", "a graph without volume output: volumes are not available in this version");
-    if (o.contains("displacement") && !o["displacement"].is_null()) 
+    if (o.contains("displacement") && !o["displacement"].is_null())
         read_link(o["displacement"], "/outputs/displacement", out.displacement, 0, "Displacement");
     if (!o.contains("aovs")) return;
     if (!o["aovs"].is_object()) return error("/outputs/aovs", "wrong-type", shown_json(o["aovs"]), "links by AOV name");

@@ -58,6 +58,7 @@ class Reader {
     /// `preferred`: the output meant where none is named and the node has several.
     bool read_link(const json& value, const std::string& pointer, DocLink& out, int depth = 0, const char* preferred = nullptr);
     void read_outputs();
+    void read_output_node(const Pending& p, DocOutputs& out);
     void find_cycles();
     void check_nodes();
 

@@ -125,5 +125,21 @@ TEST(JsonText, refuses_what_a_plain_parser_lets_pass) {
     EXPECT_EQ(d.errors[0].pointer, "/nodes/x/p");
 }
 
+/// Links at Blender's output node are outputs of the document: a volume is refused, a displacement is known.
+TEST(Document, links_at_the_output_node_are_outputs) {
+    const auto document = [](const std::string& socket) {
+        return R"({"nodes": {"c": {"type": "ShaderNodeBsdfDiffuse"}, "v": {"type": "ShaderNodeVectorMath"},
+                   "o": {"type": "ShaderNodeOutputMaterial", "params": {"Surface": {"node": "c"}, )" + socket + R"(}}}, "outputs": {"surface": {"node": "o"}}})";
+    };
+    const Diagnostics volume = faults(document(R"("Volume": {"node": "c"})").c_str());
+    ASSERT_EQ(volume.errors.size(), 1u);
+    EXPECT_EQ(volume.errors[0].pointer, "/graph/nodes/o/params/Volume");
+    EXPECT_EQ(volume.errors[0].code, "unsupported");
+    Diagnostics d;
+    const auto material = build_material(*parse_json(document(R"("Displacement": {"node": "v", "output": "Vector"})"), {}, d), {}, d);
+    ASSERT_TRUE(material) << (d.errors.empty() ? "" : d.errors[0].line());
+    EXPECT_TRUE(material->has_displacement());
+}
+
 }  // namespace
 }  // namespace alder::test
