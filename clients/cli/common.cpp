@@ -18,8 +18,9 @@ void fail(int status, const std::string& sentence) {
     throw Failure{status};
 }
 
-void report(const std::string& file, const Diagnostics& d) {
-    for (const auto& w : d.warnings) std::fprintf(stderr, "alder: warning: %s: %s\n", file.c_str(), w.line().c_str());
+void report(const std::string& file, const Diagnostics& d, bool quiet) {
+    if (!quiet)
+        for (const auto& w : d.warnings) std::fprintf(stderr, "alder: warning: %s: %s\n", file.c_str(), w.line().c_str());
     for (const auto& e : d.errors) std::fprintf(stderr, "alder: %s: %s\n", file.c_str(), e.line().c_str());
     if (!d.ok()) throw Failure{kWrong};
 }

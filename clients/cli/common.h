@@ -29,7 +29,7 @@ struct Failure {
 /// "alder: SENTENCE" on stderr, then Failure.
 [[noreturn]] void fail(int status, const std::string& sentence);
 /// One line an error ("alder: FILE: /pointer: ..."), warnings too; Failure where there is an error.
-void report(const std::string& file, const Diagnostics& d);
+void report(const std::string& file, const Diagnostics& d, bool quiet = false);
 
 /// A file or "-" for standard input; fails where it cannot be read.
 std::string read_text(const std::string& path);

@@ -33,7 +33,7 @@ int run(const Options& o) {
     options.strict = o.strict;
     options.resolve_image = image_resolver(o.graph);
     auto material = build_material(read_graph_file(o.graph), options, d);
-    report(o.graph, d);
+    report(o.graph, d, o.quiet);
     if (!material) fail(kWrong, o.graph + ": cannot be compiled");
     for (const std::string& text : o.settings) {
         const Setting s = parse_setting(text);
@@ -41,10 +41,10 @@ int run(const Options& o) {
     }
     d = {};
     const auto scene = make_stage(o.stage, material, o.size, d);
-    report("--stage " + o.stage, d);
+    report("--stage " + o.stage, d, o.quiet);
     if (!scene) fail(kWrong, "--stage " + o.stage + ": there is no such stage");
     const auto prepared = prepare_scene(scene, EvalContext{}, d);
-    report(o.graph, d);
+    report(o.graph, d, o.quiet);
     if (!prepared) fail(kWrong, o.graph + ": cannot be rendered");
     const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - loading).count();
 

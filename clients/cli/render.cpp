@@ -63,7 +63,7 @@ int run(const Options& o) {
     SceneLoadOptions load;
     load.lenient = o.lenient;
     auto scene = load_scene(o.scene, load, d);
-    report(o.scene, d);
+    report(o.scene, d, o.quiet);
     if (!scene) fail(kWrong, o.scene + ": cannot be used");
     scene = apply_settings(scene, o.settings);
     if (!o.texture_filter.empty() || !o.noise_filter.empty()) {
@@ -77,7 +77,7 @@ int run(const Options& o) {
     d = {};
     const auto prepared = prepare_scene(scene, EvalContext{}, d);
     if (prepared && o.strict) require_files(*scene, d);
-    report(o.scene, d);
+    report(o.scene, d, o.quiet);
     if (!prepared) fail(kWrong, o.scene + ": cannot be rendered");
     const int width = request.width ? request.width : scene->settings.width, height = request.height ? request.height : scene->settings.height;
     if (request.crop[2] > width || request.crop[3] > height) fail(kWrong, fmt::format("--crop {}: reaches beyond the {} x {} image", o.crop, width, height));
