@@ -1,5 +1,5 @@
 // Kernel<->batch glue: Call<F> is one op execution seen through lane type F; ALDER_KERNEL instantiates a kernel for every
-// instruction set, for scalar float and for double. See docs/adding-a-node.md for the shape of a node file.
+// instruction set, for scalar float and for double. See nodes/README.md for the shape of a node file.
 #if defined(ALDER_NODES_KERNEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ALDER_NODES_KERNEL_INL_H_
 #undef ALDER_NODES_KERNEL_INL_H_
