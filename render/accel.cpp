@@ -199,20 +199,17 @@ bool Accel::intersect(const Ray& ray, uint32_t visibility, Hit& hit) const {
 
 bool Accel::intersect_instance(uint32_t instance, const Ray& ray, Hit& hit) const {
     hit.instance = kNothing;
-    RTCScene scene = impl_->scene_of[instance];
+    RTCScene scene = instance < impl_->scene_of.size() ? impl_->scene_of[instance] : nullptr;
     if (!scene || !impl_->takes(ray)) return false;
+    // The direction is not normalised, as within the top scene: distances mean the same on both sides, bit for bit, so that a ray
+    // that goes on behind a hit does not meet it again.
     const Transform& t = impl_->to_object[instance];
-    const Vec3f along = t.vector(ray.direction);
-    const float scale = length(along);
-    if (!(scale > 0) || !std::isfinite(scale)) return false;
-    const Ray local{t.point(ray.origin), along / scale, ray.t_min * scale, ray.t_max * scale};
-    if (!embree_takes(local, kLargestCoordinate)) return false;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit r = embree_ray(local, ~0u);
+    RTCRayHit r = embree_ray({t.point(ray.origin), t.vector(ray.direction), ray.t_min, ray.t_max}, ~0u);
     rtcIntersect1(scene, &context, &r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    hit = {r.ray.tfar / scale, r.hit.u, r.hit.v, instance, r.hit.primID};
+    hit = {r.ray.tfar, r.hit.u, r.hit.v, instance, r.hit.primID};
     return true;
 }
 

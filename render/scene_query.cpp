@@ -61,17 +61,6 @@ float sampled_distance(float xi) {
 
 }  // namespace
 
-bool SurfaceQuery::meets_instance(Ray ray, uint32_t instance) const {
-    for (int i = 0; i < 1024; ++i) {  // through everything else
-        Hit hit;
-        if (!surfaces_.accel().intersect(ray, kVisibleAll, hit)) return false;
-        if (hit.instance == instance) return true;
-        ray.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
-        if (!(ray.t_min < ray.t_max)) return false;
-    }
-    return false;
-}
-
 float SurfaceQuery::unoccluded(const Point& point, const float normal[3], float distance, int samples, bool only_local) const {
     if (point.instance < 0 || samples < 1) return 1;
     const Vec3f n(normal[0], normal[1], normal[2]), p = vec(point.p), ng = vec(point.ng);
@@ -84,7 +73,8 @@ float SurfaceQuery::unoccluded(const Point& point, const float normal[3], float 
         const Disk s = lattice.point(i), d = uniform_disk(s.x, s.y);
         const Vec3f direction = frame.to_world({d.x, d.y, safe_sqrt(1 - d.x * d.x - d.y * d.y)});
         const Ray ray{dot(ng, direction) < 0 ? p - step : p + step, direction, 0, distance};
-        open += only_local ? !meets_instance(ray, static_cast<uint32_t>(point.instance)) : surfaces_.accel().occluded(ray, nullptr) == Occlusion::Clear;
+        Hit hit;
+        open += only_local ? !surfaces_.accel().intersect_instance(static_cast<uint32_t>(point.instance), ray, hit) : surfaces_.accel().occluded(ray, nullptr) == Occlusion::Clear;
     }
     return static_cast<float>(open) / static_cast<float>(samples);
 }
@@ -119,16 +109,14 @@ void SurfaceQuery::bevel(const Point& point, float radius, int samples, float no
         Ray ray{p + axis * height + t * (r * std::cos(phi)) + b * (r * std::sin(phi)), -axis, 0, 2 * height};
         for (int hits = 0; hits < kMostProbeHits; ++hits) {
             Hit hit;
-            if (!surfaces_.accel().intersect(ray, kVisibleAll, hit)) break;
+            if (!surfaces_.accel().intersect_instance(instance, ray, hit)) break;
             ray.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
-            if (hit.instance == instance) {
-                const ShadingPoint s = surfaces_.point(hit.instance, hit.triangle, hit.u, hit.v, ray.direction, hit.t);
-                const Vec3f outside = s.backfacing ? -s.n : s.n;
-                const float along = pick_axis * std::abs(dot(axis, s.ng)), along_t = pick_t * std::abs(dot(t, s.ng)), along_b = pick_b * std::abs(dot(b, s.ng));
-                const float squares = along * along + along_t * along_t + along_b * along_b;
-                // Power heuristic over the axes; the axis' own density cancels.
-                if (squares > 0) sum += outside * (along / squares * falloff(radius, length(s.p - p)) / density);
-            }
+            const ShadingPoint s = surfaces_.point(hit.instance, hit.triangle, hit.u, hit.v, ray.direction, hit.t);
+            const Vec3f outside = s.backfacing ? -s.n : s.n;
+            const float along = pick_axis * std::abs(dot(axis, s.ng)), along_t = pick_t * std::abs(dot(t, s.ng)), along_b = pick_b * std::abs(dot(b, s.ng));
+            const float squares = along * along + along_t * along_t + along_b * along_b;
+            // Power heuristic over the axes; the axis' own density cancels.
+            if (squares > 0) sum += outside * (along / squares * falloff(radius, length(s.p - p)) / density);
             if (!(ray.t_min < ray.t_max)) break;
         }
     }

@@ -14,7 +14,6 @@ class SurfaceQuery final : public SceneQuery {
     bool curvature(const Point& point, const float view[3], float radius, int side, float& value) const override;
 
   private:
-    bool meets_instance(Ray ray, uint32_t instance) const;
     const Surfaces& surfaces_;
 };
 

@@ -32,6 +32,9 @@ inline LobeLabel label_of(const LobeSpec& spec, bool is_transmission) {
     return is_transmission ? LobeLabel::Refraction : spec.label == LobeLabel::Refraction ? LobeLabel::Specular : spec.label;
 }
 
+/// Lambert where subsurface light leaves, and where it stands for subsurface light.
+const LobeSpec& subsurface_lambert();
+
 class Worker {
   public:
     explicit Worker(const EvalContext& context);

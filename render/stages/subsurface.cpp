@@ -8,11 +8,11 @@
 #include "render/worker.h"
 
 namespace alder {
-namespace {
 
-const LobeSpec kLeaving{.kind = LobeKind::Diffuse, .label = LobeLabel::Sss, .cycles_normal = true, .smooth = true};
-
-}  // namespace
+const LobeSpec& subsurface_lambert() {
+    static const LobeSpec spec{.kind = LobeKind::Diffuse, .label = LobeLabel::Sss, .cycles_normal = true, .smooth = true};
+    return spec;
+}
 
 void Worker::scatter_subsurface() {
     leaving_.clear();
@@ -37,7 +37,7 @@ void Worker::scatter_subsurface() {
         Path& path = paths_[l.path];
         ++path.vertex;
         Lobe<float> lobe;
-        lobe.spec = &kLeaving;
+        lobe.spec = &subsurface_lambert();
         lobe.weight = Vec3f(1.f);
         lobe.n = l.n;
         const Bsdf<float> bsdf(std::span(&lobe, 1), {l.point.wo, l.point.ng, l.point.n});

@@ -6,12 +6,6 @@
 #include "render/worker.h"
 
 namespace alder {
-namespace {
-
-const LobeSpec kLambert{.kind = LobeKind::Diffuse, .label = LobeLabel::Sss, .smooth = true};
-
-}  // namespace
-
 void Worker::shade_surfaces() {
     for (size_t key = 0; key + 1 < key_count_.size(); ++key) {
         const size_t first = key_count_[key], last = key_count_[key + 1];
@@ -81,7 +75,7 @@ std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
         }
         lobes_[count] = load_lobe(spec, c, i);
         // Subsurface light is worth its noise where the eye sees it: after a diffuse scattering Cycles takes Lambert instead.
-        if (spec.cycles_profile && path.flags & kDiffuseBefore) lobes_[count].spec = &kLambert;
+        if (spec.cycles_profile && path.flags & kDiffuseBefore) lobes_[count].spec = &subsurface_lambert();
         ++count;
     }
     return {lobes_.data(), count};

@@ -13,15 +13,23 @@ namespace {
 constexpr float kBurleyReach = 16;                     ///< in units of d
 constexpr float kBurleyReached = 0.9963790093708328f;  ///< share of the profile within it
 constexpr int kMostHits = 16;
-/// Channels with less are Lambert: the node gives their weight to a diffuse lobe.
-constexpr float kLeastScale = 1e-8f;
 
 struct Profiles {
     const Lobe<float>& lobe;
-    int channels[3], count = 0;
-    explicit Profiles(const Lobe<float>& l) : lobe(l) {
-        for (int c = 0; c < 3; ++c)
-            if (l.p[c] >= kLeastScale && std::isfinite(l.p[c])) channels[count++] = c;
+    int channels[3], count = 0;  ///< those that are probed
+    int narrow = 0;              ///< and those too narrow for it: their light leaves where it entered
+    Vec3f is_narrow{0, 0, 0};
+    /// position_error: of the entry point.
+    Profiles(const Lobe<float>& l, float position_error) : lobe(l) {
+        for (int c = 0; c < 3; ++c) {
+            if (l.weight[c] == 0 || !(l.p[c] > 0) || !std::isfinite(l.p[c])) continue;
+            if (reach(c) > 8 * position_error) {
+                channels[count++] = c;
+            } else {
+                is_narrow[c] = 1;
+                ++narrow;
+            }
+        }
     }
     bool cubic() const { return lobe.spec->order == 1; }
     float reach(int c) const { return cubic() ? lobe.p[c] : kBurleyReach * lobe.p[c]; }
@@ -83,9 +91,20 @@ float sample_cubic_radius(float radius, float u) {
 
 bool probe_profile(const Surfaces& surfaces, const ShadingPoint& entry, const Lobe<float>& lobe, Vec3f throughput, WalkNumbers& numbers,
                    SubsurfaceExit& exit, uint64_t& rays) {
-    const Profiles profiles(lobe);
-    if (profiles.count == 0) return false;
+    const Profiles profiles(lobe, entry.error);
+    const int all = profiles.count + profiles.narrow;
+    if (all == 0) return false;
     const Sample4& u = numbers.first();
+    float u_channel = u.u[0] * static_cast<float>(all);
+    if (u_channel < static_cast<float>(profiles.narrow)) {
+        exit.hit = {entry.distance, entry.u, entry.v, entry.instance, entry.triangle};
+        exit.direction = -entry.wo;
+        exit.throughput = throughput * profiles.is_narrow * (static_cast<float>(all) / static_cast<float>(profiles.narrow));
+        return is_finite(exit.throughput) && !is_black(exit.throughput);
+    }
+    if (profiles.count == 0) return false;  // rounding of the choice
+    u_channel -= static_cast<float>(profiles.narrow);
+    throughput *= static_cast<float>(all) / static_cast<float>(profiles.count);
     // Axis: the normal with probability 1/2, the tangents with 1/4 each.
     const Frame frame = frame_about(entry.ng);
     const Vec3f axes[3] = {frame.z, frame.x, frame.y};
@@ -94,9 +113,8 @@ bool probe_profile(const Surfaces& surfaces, const ShadingPoint& entry, const Lo
     const float u_angle = axis == 0 ? u.u[1] * 2 : axis == 1 ? (u.u[1] - 0.5f) * 4 : (u.u[1] - 0.75f) * 4;
     const Vec3f along = axes[axis], across1 = axes[(axis + 1) % 3], across2 = axes[(axis + 2) % 3];
 
-    const float scaled = u.u[0] * static_cast<float>(profiles.count);
-    const int pick = std::min(static_cast<int>(scaled), profiles.count - 1), channel = profiles.channels[pick];
-    const float radius = profiles.sample(channel, std::clamp(scaled - static_cast<float>(pick), 0.f, 0.99999994f));
+    const int pick = std::min(static_cast<int>(u_channel), profiles.count - 1), channel = profiles.channels[pick];
+    const float radius = profiles.sample(channel, std::clamp(u_channel - static_cast<float>(pick), 0.f, 0.99999994f));
     const float reach = profiles.reach(channel), height = safe_sqrt(reach * reach - radius * radius);
     const float phi = 2 * kPi * u_angle;
     Ray ray;

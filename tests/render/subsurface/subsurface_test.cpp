@@ -130,6 +130,46 @@ TEST(Subsurface, al_surface_profiles_reflect_the_diffuse_colour) {
     }
 }
 
+/// A ray that goes on behind each hit meets a sphere twice, whatever the instance's scale, and nothing that is not the instance.
+TEST(Subsurface, probes_meet_each_surface_once) {
+    std::vector<Instance> instances;
+    for (const float scale : {1.f, 0.37f, 123.4f, 3e-4f}) {
+        Instance i;
+        i.mesh = 0;
+        i.materials = {0};
+        i.object_to_world = scaling(scale);
+        instances.push_back(i);
+    }
+    const Surfaces surfaces({sphere_mesh(1, 24, true)}, instances);
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const float scale = instances[i].object_to_world.m[0];
+        for (int k = 0; k < 200; ++k) {
+            const Vec3f direction = safe_normalize(Vec3f(0.3f, -0.2f + 0.001f * float(k), -1));
+            Ray ray{direction * (-3 * scale), direction, 0, 6 * scale};
+            Hit hit;
+            int met = 0;
+            for (; met < 10 && surfaces.accel().intersect_instance(i, ray, hit); ++met) {
+                EXPECT_EQ(hit.instance, i);
+                ray.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
+            }
+            EXPECT_EQ(met, 2) << "scale " << scale << ", ray " << k;
+        }
+    }
+    Hit hit;
+    EXPECT_FALSE(surfaces.accel().intersect_instance(99, {{0, 0, 3}, {0, 0, -1}, 0, 9}, hit)) << "no such instance";
+}
+
+TEST(Subsurface, small_radii_lose_no_light) {
+    for (const double radius : {1e-8, 3e-8, 1e-7})  // between what walks and what Cycles' scale leaves of it
+        for (const char* method : {"BURLEY", "RANDOM_WALK"}) {
+            const Vec3d m = block_under_even_light(surface_graph("ShaderNodeSubsurfaceScattering", {{"falloff", method},
+                                                                                                    {"Color", {0.5, 0.5, 0.5, 1}},
+                                                                                                    {"Scale", 1},
+                                                                                                    {"Radius", {radius, 0.05, radius}}}), 128);
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(m[c], 0.5, method[0] == 'B' ? 0.015 : 0.08) << method << ' ' << radius;
+        }
+}
+
 TEST(Subsurface, light_goes_through_a_thin_body_only) {
     const auto lit_from_below = [](float radius) {
         SceneKit kit;
