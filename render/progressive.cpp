@@ -108,6 +108,7 @@ bool ProgressiveRender::run_pass(const Pass& pass, const std::function<void(doub
     const std::vector<Tile> list = tiles(std::min<uint64_t>(pass.count, kLeafSamples));
     if (!pass.whole() && !pass.fills_leaf()) open_next_.resize(pixels_ * LeafSum(*plan_->aovs).size());
     film_.pass_rows();
+    const uint64_t nonfinite_before = stats_.nonfinite_samples;
     std::atomic<size_t> finished{0};
     std::mutex report_mutex;
     tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers;
@@ -129,7 +130,9 @@ bool ProgressiveRender::run_pass(const Pass& pass, const std::function<void(doub
     }, tbb::simple_partitioner());
     for (std::unique_ptr<Worker>& w : workers)
         if (w) collect(std::move(w));
-    return finished == list.size();
+    const bool done = finished == list.size();
+    if (!done) stats_.nonfinite_samples = nonfinite_before;  // files tell this number: a dropped pass may not show
+    return done;
 }
 
 bool ProgressiveRender::run_tile(Worker& w, const Tile& tile, const Pass& pass) {
