@@ -63,13 +63,13 @@ Image render(const PreparedScene& scene, const RenderRequest& request, RenderSta
         reached_error = request.target_error > 0 && film.samples() >= 2 * kLeafSamples && film.samples() % kLeafSamples == 0 &&
                         film.estimated_error() <= request.target_error;
     }
-    Image im = film.image();
+    const auto picture = film.picture();
+    Image im = picture->image();
     stats = film.stats();
+    stats.estimated_error = picture->estimated_error();
     stats.complete = stats.complete || reached_error;
-    for (auto& [name, value] : im.attributes) {
+    for (auto& [name, value] : im.attributes)
         if (name == "alder/complete") value = stats.complete ? "1" : "0";
-        if (name == "alder/estimated_error") stats.estimated_error = std::stod(value);
-    }
     stats.render_seconds = seconds_since(start);
     if (progress && stats.complete) progress(1);
     return im;
