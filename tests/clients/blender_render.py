@@ -61,4 +61,13 @@ def main(folder):
     alder_blender.unregister()
 
 
-main(sys.argv[-1])
+try:
+    main(sys.argv[-1])
+    status = 0
+except BaseException:
+    import traceback
+    traceback.print_exc()
+    status = 1
+sys.stdout.flush()
+sys.stderr.flush()
+os._exit(status)   # bpy may hang while it frees what an exception still holds

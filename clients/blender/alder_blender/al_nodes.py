@@ -4,6 +4,7 @@ A node's type is its name in Alder, so that the exporter writes it as it is: inp
 """
 import json
 import os
+import re
 
 import bpy
 
@@ -81,16 +82,13 @@ def _make(item):
         "poll": classmethod(lambda cls, tree: tree.bl_idname == "ShaderNodeTree")})
 
 
-def _menu(categories):
-    out = []
-    for category, names in sorted(categories.items()):
-        def draw(self, context, names=names):
-            for name in names:
-                op = self.layout.operator("node.add_node", text=name)
-                op.type, op.use_transform = name, True
-        out.append(type("NODE_MT_alder_" + category.lower().replace(" ", "_"), (bpy.types.Menu,),
-                        {"bl_idname": "NODE_MT_alder_" + category.lower().replace(" ", "_"), "bl_label": "alShaders: " + category, "draw": draw}))
-    return out
+def _menu(category, names):
+    def draw(self, context):
+        for name in names:
+            op = self.layout.operator("node.add_node", text=name)
+            op.type, op.use_transform = name, True
+    name = "NODE_MT_alder_" + re.sub(r"[^a-z0-9]", "_", category.lower())
+    return type(name, (bpy.types.Menu,), {"bl_idname": name, "bl_label": "alShaders: " + category, "draw": draw})
 
 
 def _draw(self, context):
@@ -105,7 +103,7 @@ def register():
     for item in load():
         CLASSES.append(_make(item))
         categories.setdefault(item.get("category", "other"), []).append(item["name"])
-    MENUS.extend(_menu(categories))
+    MENUS.extend(_menu(category, names) for category, names in sorted(categories.items()))
     for cls in CLASSES + MENUS:
         bpy.utils.register_class(cls)
     bpy.types.NODE_MT_add.append(_draw)

@@ -92,11 +92,10 @@ class AlderRenderEngine(bpy.types.RenderEngine):
                 continue
             target = by_name[name]
             flat = np.ascontiguousarray(pixels[::-1, :, :target.channels], np.float32)   # Blender's rows begin at the bottom
-            flat = flat.reshape(-1) if hasattr(target.rect, "foreach_set") else flat.reshape(-1, target.channels)
-            if hasattr(target.rect, "foreach_set"):
-                target.rect.foreach_set(flat)
-            else:
-                target.rect = flat.tolist()
+            if bpy.app.version >= (4, 0, 0):
+                target.rect.foreach_set(flat.reshape(-1))
+            else:   # there foreach_set takes one number a pixel
+                target.rect = flat.reshape(-1, target.channels).tolist()
         self.end_result(result)
 
 
