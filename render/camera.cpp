@@ -30,6 +30,11 @@ CameraModel::CameraModel(const Camera& camera, int width, int height)
       to_world_(without_scale(camera.to_world)),
       width_(static_cast<float>(std::max(width, 1))),
       height_(static_cast<float>(std::max(height, 1))) {
+    if (camera.motion.size() > 1) {
+        std::vector<Transform> keys;
+        for (const Transform& t : camera.motion) keys.push_back(without_scale(t));
+        motion_ = motion_keys(keys);
+    }
     const Transform flip{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0}};
     world_to_camera_ = flip * to_world_.inverse();
     const float larger = std::max(width_, height_);
@@ -46,7 +51,7 @@ CameraModel::CameraModel(const Camera& camera, int width, int height)
     focus_ = clamped(camera.focus_distance, 1e-5f, 1e30f, 10);
 }
 
-CameraRay CameraModel::ray(float x, float y, float lens_u, float lens_v) const {
+CameraRay CameraModel::ray(float x, float y, float lens_u, float lens_v, float time) const {
     const float sx = half_x_ * (2 * x / width_ - 1) + offset_x_;
     const float sy = half_y_ * (1 - 2 * y / height_) + offset_y_;
     Vec3f origin{0, 0, 0}, direction{sx, sy, -1};
@@ -64,8 +69,9 @@ CameraRay CameraModel::ray(float x, float y, float lens_u, float lens_v) const {
     direction = safe_normalize(direction);
 
     CameraRay r;
-    r.direction = safe_normalize(to_world_.vector(direction));
-    r.origin = to_world_.point(origin) + r.direction * (near_ / along_axis);
+    const Transform to_world = motion_.empty() ? to_world_ : transform_at(motion_, time);
+    r.direction = safe_normalize(to_world.vector(direction));
+    r.origin = to_world.point(origin) + r.direction * (near_ / along_axis);
     r.length = (far_ - near_) / along_axis;
     const float pixel_x = 2 * half_x_ / width_, pixel_y = 2 * half_y_ / height_;
     if (orthographic_) {

@@ -1,5 +1,6 @@
 // Camera: turns a raster position and a lens sample into a ray with its footprint.
 #pragma once
+#include "render/geometry/motion.h"
 #include "render/scene.h"
 
 namespace alder {
@@ -17,7 +18,8 @@ class CameraModel {
     /// Full frame in pixels, without any crop.
     CameraModel(const Camera& camera, int width, int height);
     /// Raster position in pixels of the full frame, row 0 at the top; lens sample in [0,1)^2.
-    CameraRay ray(float x, float y, float lens_u, float lens_v) const;
+    CameraRay ray(float x, float y, float lens_u, float lens_v, float time = 0.5f) const;
+    bool moves() const { return !motion_.empty(); }
 
     /// Columns of the matrix into camera space, which here looks along +Z (Cycles' convention).
     const Transform& world_to_camera() const { return world_to_camera_; }
@@ -29,6 +31,7 @@ class CameraModel {
   private:
     bool orthographic_ = false;
     Transform to_world_;         ///< scale removed
+    std::vector<MotionKey> motion_;
     Transform world_to_camera_;
     float half_x_ = 1, half_y_ = 1;    ///< half extents of the image at distance 1 (perspective) or in world units
     float offset_x_ = 0, offset_y_ = 0;

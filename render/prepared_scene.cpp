@@ -17,6 +17,19 @@ void fault(Diagnostics& d, std::string pointer, std::string found, std::string e
     if (d.errors.size() < kMaxDiagnostics) d.errors.push_back({std::move(pointer), "scene-invalid", std::move(found), std::move(expected), {}});
 }
 
+/// Curves and spheres have radii and no triangles, triangles neither; curves cover the points one after the other.
+void check_threads(const Mesh& m, const std::string& at, Diagnostics& d) {
+    if (m.shape == Shape::Triangles) return;
+    if (!m.triangles.empty()) fault(d, at + "/triangles", "triangles among curves or points", "none");
+    if (m.radii.size() != m.positions.size()) fault(d, at + "/radii", std::to_string(m.radii.size()) + " elements", std::to_string(m.positions.size()));
+    if (m.shape != Shape::Curves) return;
+    bool ascending = !m.curve_first.empty() && m.curve_first.front() == 0 && m.curve_first.back() == m.positions.size();
+    for (size_t i = 0; i + 1 < m.curve_first.size(); ++i) ascending = ascending && m.curve_first[i] < m.curve_first[i + 1];
+    if (!ascending) fault(d, at + "/curve_first", "curves that do not follow each other", "0, ascending, up to the number of points");
+    if (!m.curve_normals.empty() && m.curve_normals.size() != m.positions.size())
+        fault(d, at + "/curve_normals", std::to_string(m.curve_normals.size()) + " elements", std::to_string(m.positions.size()) + " or none");
+}
+
 /// Everything that would read outside an array. Values (NaN positions, zero areas) are dealt with where they are used.
 void check(const Scene& s, Diagnostics& d) {
     for (size_t i = 0; i < s.meshes.size(); ++i) {
@@ -43,6 +56,12 @@ void check(const Scene& s, Diagnostics& d) {
         length("face_material", m.face_material.size(), triangles);
         length("uv", m.uv.size(), corners);
         length("tangents", m.tangents.size(), corners);
+        check_threads(m, at, d);
+        const size_t moved = m.moves() ? static_cast<size_t>(m.motion_steps) * m.positions.size() : 0;
+        if (m.moves() && m.motion_positions.size() != moved)
+            fault(d, at + "/motion_positions", std::to_string(m.motion_positions.size()) + " points", std::to_string(moved));
+        length("motion_normals", m.motion_normals.size(), moved);
+        length("motion_radii", m.motion_radii.size(), moved);
     }
     for (size_t i = 0; i < s.instances.size(); ++i) {
         const Instance& in = s.instances[i];

@@ -10,6 +10,7 @@
 #include "render/filter.h"
 #include "render/prepared_scene.h"
 #include "render/scene_query.h"
+#include "render/shutter.h"
 
 namespace alder {
 
@@ -22,6 +23,8 @@ struct RenderPlan {
     int crop_x = 0, crop_y = 0, width = 0, height = 0;  ///< data window
     CameraModel camera;
     PixelFilter filter;
+    Shutter shutter;
+    bool moves = false;  ///< whether rays need a time
     std::unique_ptr<const AovPlan> aovs;
     InputScene inputs;
     SurfaceQuery query;  ///< for nodes that cast rays

@@ -23,7 +23,7 @@
 namespace alder {
 
 struct WorkerCounters {
-    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0, shading_points = 0, nonfinite_samples = 0;
+    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0, timed_paths = 0, shading_points = 0, nonfinite_samples = 0;
 };
 
 /// The layer a lobe's light goes to; glass counts by the side it leaves on (as in Cycles).

@@ -30,8 +30,9 @@ void Worker::start_paths(const Tile& tile, uint64_t first, uint32_t count) {
                 path.key = sample_key(plan_->seed, px, py, first + i);
                 path.slot = slot;
                 const Sample4 u = sample_set(path.key, kSetCamera);
+                if (plan_->moves) path.history.time = plan_->shutter.time(sample_set(path.key, kSetTime).u[0]);
                 const CameraRay ray = plan_->camera.ray(static_cast<float>(px) + 0.5f + plan_->filter.offset(u.u[0]),
-                                                        static_cast<float>(py) + 0.5f + plan_->filter.offset(u.u[1]), u.u[2], u.u[3]);
+                                                        static_cast<float>(py) + 0.5f + plan_->filter.offset(u.u[1]), u.u[2], u.u[3], path.history.time);
                 path.history.origin = ray.origin;
                 path.history.direction = ray.direction;
                 path.t_max = ray.length;
@@ -42,6 +43,7 @@ void Worker::start_paths(const Tile& tile, uint64_t first, uint32_t count) {
                 active_.push_back(slot);
             }
     counters_.camera_rays += n;
+    if (plan_->moves) counters_.timed_paths += n;
 }
 
 void Worker::resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf) {

@@ -30,7 +30,7 @@ void Worker::shade_batch(const SceneProgram& program, const RenderPlan::SurfaceP
     for (const uint32_t index : paths) {
         const Path& path = paths_[index];
         const Hit& h = path.hit;
-        points_.push_back(surfaces.point(h.instance, h.triangle, h.u, h.v, path.history.direction, h.t));
+        points_.push_back(surfaces.point(h.instance, h.triangle, h.u, h.v, path.history.direction, h.t, path.history.time));
         points_.back().footprint = path.footprint + path.spread * h.t;
         histories_.push_back(&path.history);
     }
@@ -124,7 +124,7 @@ void Worker::record_data(const Path& path, const ShadingPoint& point, const Bsdf
     put(a.ng, point.ng);
     if (a.uv >= 0) {
         const Mesh& mesh = plan_->scene.surfaces->mesh_of(point.instance);
-        if (mesh.uv.size() == 3 * mesh.triangles.size()) {
+        if (!mesh.uv.empty() && mesh.uv.size() == 3 * mesh.triangles.size()) {
             const auto* const uv = mesh.uv.data() + size_t{3} * point.triangle;
             for (int c = 0; c < 2; ++c) r[a.uv + c] = uv[0][c] * (1 - point.u - point.v) + uv[1][c] * point.u + uv[2][c] * point.v;
         }
