@@ -342,7 +342,7 @@ class SceneExporter:
 
     def _slots(self, o):
         slots = [s.material for s in o.material_slots]
-        if not slots and o.type in MESH_TYPES:
+        if not slots and (o.type in MESH_TYPES or o.type in THREAD_TYPES):
             slots = list(o.data.materials)
         return [self._material(m) for m in slots]
 
