@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "render/geometry/displace.h"
 #include "render/worker.h"
 
 namespace alder {
@@ -74,9 +75,11 @@ void check(const Scene& s, Diagnostics& d) {
 }
 
 void warn_about_displacement(const SceneMaterial& m, Diagnostics& d) {
-    if (m.graph && m.graph->has_displacement())
-        d.warnings.push_back({"/materials/" + m.name + "/outputs/displacement", "unsupported", "displacement",
-                              "no displacement: the surface is rendered undisplaced", {}});
+    if (m.graph && m.graph->has_displacement() && m.displacement != Displacement::Move)
+        d.warnings.push_back({"/materials/" + m.name + "/outputs/displacement", "unsupported", "displacement as bump",
+                              m.displacement == Displacement::Both ? "vertices moved, but normals not turned by what is finer than them"
+                                                                   : "normals turned: they are rendered as they were",
+                              {}});
 }
 
 void finish(PreparedScene& p) {
@@ -123,7 +126,11 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
     p->scene = scene;
     p->workers = std::make_shared<WorkerPool>(context);
     const auto build_start = std::chrono::steady_clock::now();
-    p->surfaces = std::make_shared<Surfaces>(scene->meshes, scene->instances);
+    auto meshes = scene->meshes;
+    auto instances = scene->instances;
+    displace(*scene, context, meshes, instances, d);
+    if (!d.ok()) return nullptr;
+    p->surfaces = std::make_shared<Surfaces>(std::move(meshes), std::move(instances));
     p->build_seconds = seconds_since(build_start);
 
     const auto compile_start = std::chrono::steady_clock::now();
@@ -162,10 +169,17 @@ std::shared_ptr<const PreparedScene> with_material(const std::shared_ptr<const P
         fault(d, "/materials/" + std::to_string(material), std::to_string(material), "below " + std::to_string(base->materials.size()));
         return nullptr;
     }
+    SceneMaterial changed = base->materials[material]->material;
+    const bool displaced = displaces(changed);
+    changed.graph = std::move(graph);
+    if (displaced || displaces(changed)) {  // other vertices: everything follows from them
+        auto scene = std::make_shared<Scene>(*base->scene);
+        for (size_t i = 0; i < scene->materials.size(); ++i) scene->materials[i] = base->materials[i]->material;
+        scene->materials[material] = std::move(changed);
+        return prepare_scene(std::move(scene), base->workers->context(), d);
+    }
     auto p = std::make_shared<PreparedScene>(*base);
     const auto start = std::chrono::steady_clock::now();
-    SceneMaterial changed = base->materials[material]->material;
-    changed.graph = std::move(graph);
     warn_about_displacement(changed, d);
     p->materials[material] = compile_material(changed, *p->surfaces, p->scene->settings, d);
     if (!p->materials[material]) return nullptr;

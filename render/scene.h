@@ -85,12 +85,17 @@ struct Instance {
     int pass_index = 0;
     Vec3f color{1, 1, 1};
     int light_group = 0;              ///< of its emission: 0 = none, 1..8
+    bool holdout = false;             ///< cuts a hole into the film's alpha where the camera sees it
 };
+
+/// What a material's displacement output does: turn normals only, move vertices, or move vertices and turn normals by the rest.
+enum class Displacement : uint8_t { Bump, Move, Both };
 
 struct SceneMaterial {
     std::string name;
     std::shared_ptr<const Material> graph;
     int pass_index = 0;
+    Displacement displacement = Displacement::Bump;
 };
 
 enum class LightKind : uint8_t { Point, Spot, Sun, Area };
@@ -117,7 +122,13 @@ struct Light {
 
 struct Camera {
     std::string name;
-    enum class Kind : uint8_t { Perspective, Orthographic } kind = Kind::Perspective;
+    enum class Kind : uint8_t { Perspective, Orthographic, Panoramic } kind = Kind::Perspective;
+    /// Of a panoramic camera: which direction a place on the frame looks in.
+    enum class Panorama : uint8_t { Equirectangular, FisheyeEquidistant, FisheyeEquisolid, MirrorBall } panorama = Panorama::Equirectangular;
+    float longitude_min = -3.14159265f, longitude_max = 3.14159265f;   ///< equirectangular, radians; 0 is the viewing axis
+    float latitude_min = -1.57079633f, latitude_max = 1.57079633f;
+    float fisheye_fov = 3.14159265f;   ///< whole angle, radians
+    float fisheye_lens = 10.5f, sensor_width = 36, sensor_height = 24;   ///< equisolid, mm
     Transform to_world;          ///< looks along local -Z, +Y up
     std::vector<Transform> motion;   ///< as Instance::motion
     float fov_x = 0.6911f;       ///< horizontal field of view, radians, for width >= height (else of the larger side)
@@ -125,6 +136,9 @@ struct Camera {
     float near_clip = 0.001f, far_clip = 1e10f;
     float shift_x = 0, shift_y = 0;
     float aperture_radius = 0, focus_distance = 10;   ///< depth of field
+    int aperture_blades = 0;       ///< 3 and more: a regular polygon in place of the disk
+    float aperture_rotation = 0;   ///< of the polygon, radians
+    float aperture_ratio = 1;      ///< height over width: an anamorphic lens
 };
 
 struct RenderSettings {
@@ -136,6 +150,8 @@ struct RenderSettings {
     bool film_transparent = false;
     float filter_width = 1;   ///< pixels; 1 with Box is the pixel itself
     enum class Filter : uint8_t { Box, Gaussian, BlackmanHarris } filter = Filter::Box;
+    float exposure = 1;       ///< factor of all light on the film
+    float filter_glossy = 0;  ///< Cycles': how far glossy lobes are blurred behind unlikely scatterings; 0 = off
     std::vector<float> shutter_curve;   ///< how open the shutter is over its time; empty = fully throughout
     bool caustics_reflective = true, caustics_refractive = true;
     bool texture_filter = false;  ///< image textures take the mip level of the ray's footprint

@@ -64,10 +64,13 @@ void read_materials(SceneReading& s, const json& j, const std::string& pointer) 
         m.name = name;
         const auto other = s.options.material_overrides.find(name);
         json graph = other == s.options.material_overrides.end() ? value : other->second;
-        if (value.is_object() && value.contains("pass_index")) {   // the scene's, not the graph's
+        if (value.is_object() && (value.contains("pass_index") || value.contains("displacement"))) {   // the scene's, not the graph's
             JsonReader r(value, here, s.d, true);
+            int displacement = 0;
             r.integer("pass_index", m.pass_index, 0, 1 << 24);
-            if (graph.is_object()) graph.erase("pass_index");
+            r.choice("displacement", kDisplacementNames, displacement);
+            m.displacement = Displacement(displacement);
+            if (graph.is_object()) graph.erase("pass_index"), graph.erase("displacement");
         }
         m.graph = read_graph(s, graph, here);
         s.material_index.emplace(name, uint32_t(s.scene.materials.size()));

@@ -150,6 +150,8 @@ void read_instance(SceneReading& s, const std::string& name, const json& j, cons
     r.number("random", base.random, 0, 1);
     r.integer("pass_index", base.pass_index, 0, 1 << 24);
     r.vector("color", base.color);
+    r.boolean("holdout", base.holdout);
+    s.unsupported(r, "shadow_catcher", "shadow catchers are not rendered yet");
     r.integer("light_group", base.light_group, 0, kMaxLightGroup);
     std::vector<float> transforms, randoms;
     const json *many = r.member("transforms"), *random_values = r.member("randoms");
@@ -230,6 +232,26 @@ Camera read_camera(SceneReading& s, const std::string& name, const json& j, cons
     c.shift_y = shift[1];
     r.number("aperture_radius", c.aperture_radius, 0);
     r.number("focus_distance", c.focus_distance, 1e-6);
+    r.integer("aperture_blades", c.aperture_blades, 0, 1000);
+    r.degrees("aperture_rotation_degrees", c.aperture_rotation, -3600, 3600);
+    r.number("aperture_ratio", c.aperture_ratio, 1e-3, 1e3);
+    int panorama = 0;
+    r.choice("panorama", kPanoramaNames, panorama);
+    c.panorama = Camera::Panorama(panorama);
+    r.degrees("longitude_min_degrees", c.longitude_min, -360, 360);
+    r.degrees("longitude_max_degrees", c.longitude_max, -360, 360);
+    r.degrees("latitude_min_degrees", c.latitude_min, -90, 90);
+    r.degrees("latitude_max_degrees", c.latitude_max, -90, 90);
+    if (!(c.longitude_max > c.longitude_min) || !(c.latitude_max > c.latitude_min))
+        add_error(s.d, r.pointer(), "wrong-value", "an empty range of longitudes or latitudes", "maxima above minima");
+    r.degrees("fisheye_fov_degrees", c.fisheye_fov, 0.1, 1800);
+    r.number("fisheye_lens_mm", c.fisheye_lens, 1e-3, 1e5);
+    float sensor[2] = {c.sensor_width, c.sensor_height};
+    r.numbers("sensor_mm", sensor);
+    for (const float x : sensor)
+        if (!(x > 0)) add_error(s.d, r.pointer_to("sensor_mm"), "out-of-range", json(x).dump(), "more than 0");
+    c.sensor_width = sensor[0];
+    c.sensor_height = sensor[1];
     if (!(c.far_clip > c.near_clip)) add_error(s.d, r.pointer_to("far_clip"), "out-of-range", json(c.far_clip).dump(), "more than near_clip");
     size_t steps = 0;
     const std::vector<float> motion = read_motion(s, r, 1, steps);
@@ -318,6 +340,8 @@ void read_settings(SceneReading& s, const json& j, const std::string& pointer) {
     r.number("clamp_direct", x.clamp_direct, 0);
     r.number("clamp_indirect", x.clamp_indirect, 0);
     r.boolean("film_transparent", x.film_transparent);
+    r.number("exposure", x.exposure, 0, 1e6);
+    r.number("filter_glossy", x.filter_glossy, 0, 1e6);
     int filter = int(x.filter);
     r.choice("filter", kFilterNames, filter);
     x.filter = RenderSettings::Filter(filter);

@@ -20,7 +20,9 @@ inline constexpr const char* kInstanceMembers[] = {"mesh", "curves", "points"};
 inline constexpr int kMostMotionSteps = 129;   ///< Embree's limit
 inline constexpr const char* kLightNames[] = {"point", "spot", "sun", "area"};
 inline constexpr const char* kShapeNames[] = {"rectangle", "ellipse"};
-inline constexpr const char* kCameraNames[] = {"perspective", "orthographic"};
+inline constexpr const char* kCameraNames[] = {"perspective", "orthographic", "panoramic"};
+inline constexpr const char* kPanoramaNames[] = {"equirectangular", "fisheye_equidistant", "fisheye_equisolid", "mirror_ball"};
+inline constexpr const char* kDisplacementNames[] = {"bump", "displacement", "both"};
 inline constexpr const char* kFilterNames[] = {"box", "gaussian", "blackman_harris"};
 struct VisibilityName {
     const char* name;

@@ -18,6 +18,7 @@ namespace {
 json number(float x) { return std::strtod(number_text(x).c_str(), nullptr); }
 /// The float nearest to pi is a little more than pi.
 json degrees(float radians) { return std::min(double(radians) * 180 / std::numbers::pi, 180.0); }
+double angle(float radians) { return double(radians) * 180 / std::numbers::pi; }
 json vector(Vec3f v) { return json::array({number(v.x), number(v.y), number(v.z)}); }
 json transform(const Transform& t) {
     json j = json::array();
@@ -60,6 +61,7 @@ class SceneWriter {
             material_names_.push_back(names.take(m.name, "material"));
             json graph = m.graph ? m.graph->document() : json{{"version", 1}, {"nodes", json::object()}, {"outputs", json::object()}};
             if (m.pass_index != 0) graph["pass_index"] = m.pass_index;
+            if (m.displacement != Displacement::Bump) graph["displacement"] = kDisplacementNames[int(m.displacement)];
             doc["materials"][material_names_.back()] = std::move(graph);
         }
         Names shapes[3];
@@ -158,7 +160,7 @@ class SceneWriter {
         json materials = json::array();
         for (uint32_t m : i.materials) materials.push_back(material_names_.at(m));
         return {{kInstanceMembers[int(scene_.meshes.at(i.mesh)->shape)], mesh_names_.at(i.mesh)}, {"materials", materials}, {"visibility", visibility(i.visibility)}, {"pass_index", i.pass_index},
-                {"color", vector(i.color)}, {"light_group", i.light_group}};
+                {"color", vector(i.color)}, {"holdout", i.holdout}, {"light_group", i.light_group}};
     }
 
     /// Runs of instances that differ in place and random number only are written as one member.
@@ -202,7 +204,18 @@ class SceneWriter {
         json j{{"type", kCameraNames[int(c.kind)]}, {"transform", transform(c.to_world)}, {"fov_degrees", degrees(c.fov_x)},
                 {"ortho_scale", number(c.ortho_scale)}, {"near_clip", number(c.near_clip)}, {"far_clip", number(c.far_clip)},
                 {"shift", {number(c.shift_x), number(c.shift_y)}}, {"aperture_radius", number(c.aperture_radius)},
-                {"focus_distance", number(c.focus_distance)}};
+                {"focus_distance", number(c.focus_distance)}, {"aperture_blades", c.aperture_blades},
+                {"aperture_rotation_degrees", angle(c.aperture_rotation)}, {"aperture_ratio", number(c.aperture_ratio)}};
+        if (c.kind == Camera::Kind::Panoramic) {
+            j["panorama"] = kPanoramaNames[int(c.panorama)];
+            j["longitude_min_degrees"] = angle(c.longitude_min);
+            j["longitude_max_degrees"] = angle(c.longitude_max);
+            j["latitude_min_degrees"] = std::max(angle(c.latitude_min), -90.0);
+            j["latitude_max_degrees"] = std::min(angle(c.latitude_max), 90.0);
+            j["fisheye_fov_degrees"] = angle(c.fisheye_fov);
+            j["fisheye_lens_mm"] = number(c.fisheye_lens);
+            j["sensor_mm"] = {number(c.sensor_width), number(c.sensor_height)};
+        }
         if (!c.motion.empty()) j["motion"] = motion(c.motion);
         return j;
     }
@@ -212,7 +225,7 @@ class SceneWriter {
         json j{{"resolution", {s.width, s.height}}, {"samples", s.samples}, {"seed", s.seed}, {"max_bounces", s.max_bounces},
                 {"diffuse_bounces", s.diffuse_bounces}, {"glossy_bounces", s.glossy_bounces}, {"transmission_bounces", s.transmission_bounces},
                 {"transparent_bounces", s.transparent_bounces}, {"clamp_direct", number(s.clamp_direct)}, {"clamp_indirect", number(s.clamp_indirect)},
-                {"film_transparent", s.film_transparent}, {"filter", kFilterNames[int(s.filter)]}, {"filter_width", number(s.filter_width)},
+                {"film_transparent", s.film_transparent}, {"exposure", number(s.exposure)}, {"filter_glossy", number(s.filter_glossy)}, {"filter", kFilterNames[int(s.filter)]}, {"filter_width", number(s.filter_width)},
                 {"caustics_reflective", s.caustics_reflective}, {"caustics_refractive", s.caustics_refractive},
                 {"texture_filter", s.texture_filter}, {"noise_filter", s.noise_filter}};
         if (!s.shutter_curve.empty()) j["shutter_curve"] = floats(s.shutter_curve);

@@ -40,6 +40,7 @@ void Worker::start_paths(const Tile& tile, uint64_t first, uint32_t count) {
                 path.spread = ray.spread;
                 plan_->aovs->clear(row(slot));
                 row(slot)[plan_->aovs->alpha] = 1;
+                if (ray.length < 0) continue;  // outside a fisheye's circle
                 active_.push_back(slot);
             }
     counters_.camera_rays += n;
@@ -60,8 +61,22 @@ void Worker::resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf) 
                 a.clear(r);
                 r[a.alpha] = std::isfinite(alpha) ? alpha : 1.f;
             }
+            if (plan_->settings.exposure != 1) expose(r);
             leaf[pixel].add(r);
         }
+}
+
+/// Light is scaled on the film, after clamping and whatever else happens to samples; data are not.
+void Worker::expose(float* r) const {
+    const AovPlan& a = *plan_->aovs;
+    const auto scale = [&](int channel) {
+        if (channel < 0) return;
+        for (int c = 0; c < 3; ++c) r[channel + c] *= plan_->settings.exposure;
+    };
+    scale(a.rgb);
+    for (const int g : a.group) scale(g);
+    for (const int l : a.layer) scale(l);
+    scale(a.refraction);
 }
 
 bool Worker::trace(const Tile& tile, uint64_t first, uint32_t count, std::span<LeafSum> leaf) {

@@ -88,10 +88,8 @@ class SceneExporter:
             out["filter_width"] = 1 if c.pixel_filter_type == "BOX" else values.number(c.filter_width)
             out["caustics_reflective"] = bool(c.caustics_reflective)
             out["caustics_refractive"] = bool(c.caustics_refractive)
-            if c.film_exposure != 1:
-                self.report.unsupported("film exposure", where)
-            if c.blur_glossy > 0:
-                self.report.unsupported("filter glossy", where)
+            out["exposure"] = values.number(c.film_exposure)
+            out["filter_glossy"] = values.number(c.blur_glossy)
             if c.film_transparent_glass and r.film_transparent:
                 self.report.unsupported("transparent glass of the film", where)
             if c.use_denoising:
@@ -224,6 +222,8 @@ class SceneExporter:
             member["materials"] = [self._default_material()] * slots
         if hidden:
             member["visibility"] = hidden
+        if o.is_holdout:
+            member["holdout"] = True
         if o.pass_index:
             member["pass_index"] = o.pass_index
         color = values.numbers(o.color)
@@ -242,8 +242,6 @@ class SceneExporter:
         return group
 
     def _object_warnings(self, o, name):
-        if o.is_holdout:
-            self.report.unsupported("holdout objects", name)
         if o.is_shadow_catcher:
             self.report.unsupported("shadow catchers", name)
         linking = getattr(o, "light_linking", None)
@@ -376,7 +374,11 @@ class SceneExporter:
                 graph["nodes"]["no surface"] = {"type": "ShaderNodeBsdfTransparent", "params": {"Color": [1, 1, 1]}}
                 graph["outputs"]["surface"] = {"node": "no surface", "output": "BSDF"}
         if "displacement" in graph["outputs"]:
-            self.report.unsupported("displacement of a material", name)
+            method = getattr(m, "displacement_method", None) or getattr(getattr(m, "cycles", None), "displacement_method", "BUMP")   # Blender 4.1
+            if method != "BUMP":
+                graph["displacement"] = {"DISPLACEMENT": "displacement", "BOTH": "both"}[method]
+            if method != "DISPLACEMENT":
+                self.report.unsupported("displacement of a material as bump", name)
         if output_node(m.node_tree, "ShaderNodeOutputMaterial") is None:
             self.report.note("material without output", name)
         return graph
