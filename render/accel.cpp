@@ -150,6 +150,31 @@ RTCScene build_mesh(const Mesh& mesh) {
     return scene;
 }
 
+/// Where a point of a segment lies, by the point itself: Embree's u runs evenly along the straight pieces that it cuts ribbons into.
+void thread_coordinates(CurveForm form, const CurveKeys& keys, Vec3f p, Vec3f direction, Hit& hit) {
+    if (form == CurveForm::Linear) {
+        const Vec3f along = keys.p[2] - keys.p[1];
+        const float u = dot(p - keys.p[1], along) / dot(along, along);  // beyond 0 and 1 on the round ends
+        hit.u = std::isfinite(u) ? u : 0.f;
+        hit.v = angle_around_curve(along, p - keys.p[1]);
+        return;
+    }
+    hit.u = std::clamp(hit.u, 0.f, 1.f);
+    CurvePoint c = curve_point(keys, form, hit.u);
+    if (form == CurveForm::Round) {
+        hit.v = angle_around_curve(c.tangent, p - c.center);
+        return;
+    }
+    for (int i = 0; i < 3; ++i) {  // Newton's method
+        const float step = dot(p - c.center, c.tangent) / dot(c.tangent, c.tangent);
+        if (!std::isfinite(step)) break;
+        hit.u = std::clamp(hit.u + step, 0.f, 1.f);
+        c = curve_point(keys, form, hit.u);
+    }
+    const float v = dot(p - c.center, safe_normalize(cross(c.tangent, -direction))) / c.radius;
+    hit.v = std::isfinite(v) ? std::clamp(v, -1.f, 1.f) : 0.f;
+}
+
 float largest_row(const Transform& t) {
     float r = 0;
     for (int row = 0; row < 3; ++row) {
@@ -254,16 +279,11 @@ struct Accel::Impl {
 Hit Accel::Impl::hit_of(const RTCRayHit& r, uint32_t instance, const Ray& ray) const {
     Hit hit{r.ray.tfar, r.hit.u, r.hit.v, instance, r.hit.primID};
     const Mesh& mesh = *shapes[mesh_of[instance]];
-    if (mesh.shape == Shape::Triangles || (mesh.shape == Shape::Curves && mesh.curve_form == CurveForm::Ribbon)) return hit;
+    if (mesh.shape == Shape::Triangles) return hit;
     const Transform m = world_to_object(instance, ray.time);
-    const Vec3f p = m.point(ray.origin) + m.vector(ray.direction) * hit.t;
-    if (mesh.shape == Shape::Spheres) {
-        encode_direction(p - position_at(mesh, hit.triangle, ray.time), hit.u, hit.v);
-    } else {
-        hit.u = std::clamp(hit.u, 0.f, 1.f);
-        const CurvePoint c = curve_point(curve_keys(mesh, segments[mesh_of[instance]][hit.triangle], ray.time), mesh.curve_form, hit.u);
-        hit.v = angle_around_curve(c.tangent, p - c.center);
-    }
+    const Vec3f direction = m.vector(ray.direction), p = m.point(ray.origin) + direction * hit.t;
+    if (mesh.shape == Shape::Spheres) encode_direction(p - position_at(mesh, hit.triangle, ray.time), hit.u, hit.v);
+    else thread_coordinates(mesh.curve_form, curve_keys(mesh, segments[mesh_of[instance]][hit.triangle], ray.time), p, direction, hit);
     return hit;
 }
 

@@ -131,6 +131,16 @@ void Surfaces::triangle_point(const Mesh& mesh, const InstanceFrame& frame, Shad
     s.n = s.backfacing ? -n : n;
 }
 
+/// How far the surface is from the axis of a straight piece: a cone that touches the balls around both ends, and these balls.
+float cone_distance(const CurveKeys& keys, float u) {
+    const float size = length(keys.p[2] - keys.p[1]), r0 = std::max(keys.radius[1], 0.f), r1 = std::max(keys.radius[2], 0.f);
+    const float sine = size > 0 ? std::clamp((r0 - r1) / size, -1.f, 1.f) : 0.f, x = u * size;
+    if (x < r0 * sine || !(size > 0)) return safe_sqrt(r0 * r0 - x * x);
+    if (x > size + r1 * sine) return safe_sqrt(r1 * r1 - sqr(x - size));
+    const float cosine = safe_sqrt(1 - sine * sine);
+    return cosine > 0 ? (r0 - x * sine) / cosine : 0.f;
+}
+
 /// Threads and balls: rays meet them from outside only. A ribbon's normal is that of the thread it stands for.
 void Surfaces::thread_point(const Mesh& mesh, const InstanceFrame& frame, ShadingPoint& s) const {
     Vec3f center, outward;
@@ -141,10 +151,17 @@ void Surfaces::thread_point(const Mesh& mesh, const InstanceFrame& frame, Shadin
         outward = decode_direction(s.u, s.v);
         s.n = safe_normalize(frame.normal(outward));
     } else {
-        const CurvePoint c = curve_point(s.instance, s.triangle, s.u, s.time);
+        const CurveKeys keys = curve_keys(mesh, tables_of(s.instance).curves().segments[s.triangle], s.time);
+        const CurvePoint c = alder::curve_point(keys, mesh.curve_form, s.u);
         center = c.center;
         radius = c.radius;
-        if (mesh.curve_form == CurveForm::Ribbon) {
+        if (mesh.curve_form == CurveForm::Linear) {
+            outward = around_curve(c.tangent, s.v);
+            radius = cone_distance(keys, s.u);
+            const float u = std::clamp(s.u, 0.f, 1.f);
+            s.n = safe_normalize(frame.normal(center + outward * radius - (keys.p[1] * (1 - u) + keys.p[2] * u)));
+            s.u = u;
+        } else if (mesh.curve_form == CurveForm::Ribbon) {
             const Vec3f tangent = safe_normalize(c.tangent), view = safe_normalize(frame.world_to_object.vector(s.wo));
             const Vec3f across = safe_normalize(cross(tangent, view));
             const float sine = std::clamp(s.v, -1.f, 1.f);

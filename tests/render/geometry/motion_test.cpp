@@ -108,7 +108,7 @@ TEST(Motion, a_crossing_square_covers_each_place_for_its_share_of_the_time) {
     const auto& row = im.layers[0].planes[0];
     // It moves 8 in the shutter's time and is 2 long: a quarter of it everywhere but at the ends.
     for (int x = 3; x < 13; ++x) EXPECT_NEAR(row[x], 0.25, 0.004) << x;
-    EXPECT_NEAR(row[0], (0.25f * 0.5f + 1) / 8, 0.004) << "leaves the place it begins at";
+    EXPECT_NEAR(row[0], 1.25 / 8, 0.004) << "leaves the place it begins at";
     EXPECT_EQ(stats.timed_paths, stats.camera_rays);
     // Open only in the first half: it has come to the middle.
     kit.scene.settings.shutter_curve = {1, 1, 1, 0, 0};
@@ -191,10 +191,9 @@ TEST(Displacement, a_grid_takes_the_shape_of_its_height) {
     const Mesh& out = *meshes[instances[0].mesh];
     for (size_t i = 0; i < out.positions.size(); ++i) {
         const Vec3f p = out.positions[i];
-        // Offsets are lengths of the world, twice as large as the object's.
-        EXPECT_NEAR(p.z, 0.125f * p.x * p.x, 1e-5);
+        EXPECT_NEAR(p.z, 0.25f * p.x * p.x, 1e-5) << "in the object's space, by the node's default";
         if (std::abs(p.x) > 0.9f || std::abs(p.y) > 0.9f) continue;
-        EXPECT_LT(length(out.vertex_normals[i] - safe_normalize(Vec3f(-0.25f * p.x, 0, 1))), 5e-3f);
+        EXPECT_LT(length(out.vertex_normals[i] - safe_normalize(Vec3f(-0.5f * p.x, 0, 1))), 5e-3f);
     }
     kit.scene.materials[material].displacement = Displacement::Bump;
     auto kept = kit.scene.meshes;

@@ -441,7 +441,8 @@ TEST(SceneDocument, curves_points_and_motion_come_back_as_they_were) {
     for (const Diagnostic& e : d.errors) ADD_FAILURE() << e.line();
     ASSERT_TRUE(again);
     check(*again);
-    EXPECT_EQ(scene_to_json(*again, "b", buffer).dump(), written.dump());
+    std::vector<uint8_t> second;
+    EXPECT_EQ(scene_to_json(*again, "b", second).dump(), written.dump());
 }
 
 TEST(SceneDocument, faults_of_curves_and_motion_are_named) {
