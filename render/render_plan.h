@@ -25,7 +25,8 @@ struct RenderPlan {
     PixelFilter filter;
     Shutter shutter;
     bool moves = false;  ///< whether rays need a time
-    std::unique_ptr<const AovPlan> aovs;
+    std::shared_ptr<const AovPlan> aovs;           ///< shared with pictures, which outlive the render
+    std::vector<std::string> graph_aovs;             ///< what the materials compute
     InputScene inputs;
     SurfaceQuery query;  ///< for nodes that cast rays
 

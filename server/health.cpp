@@ -60,6 +60,7 @@ http::Response get_home(Service&, http::Request& request) {
     return page("Alder",
                 fmt::format("<p>A render service. It takes shader graphs and scenes over HTTP and answers with pictures. "
                             "Version " ALDER_VERSION ", {} node types.</p>"
+                            "<p><a href=\"/ui\">The lookdev page</a>: networks, parameters, and the picture as they change.</p>"
                             "<p>A first picture:</p><pre>curl -sS http://{}/v1/preview -H 'Accept: image/png' -o ball.png --json '{}'</pre>"
                             "<table><tr><td><a href=\"/v1/nodes\">/v1/nodes</a><td>every node, its parameters, defaults and ranges"
                             "<tr><td>POST /v1/preview<td>a graph in, a picture out"

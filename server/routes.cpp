@@ -20,6 +20,10 @@ struct Route {
 
 constexpr Route kRoutes[] = {
     {"GET", "/", get_home, kScopeNone},
+    {"GET", "/ui", get_ui, kScopeNone},
+    {"GET", "/ui/examples", get_ui_examples, kScopeNone},
+    {"GET", "/ui/examples/{file}", get_ui_example, kScopeNone},
+    {"GET", "/ui/{file}", get_ui_file, kScopeNone},
     {"GET", "/livez", get_livez, kScopeNone},
     {"GET", "/readyz", get_readyz, kScopeNone},
     {"GET", "/metrics", get_metrics, kScopeRead},

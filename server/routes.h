@@ -26,6 +26,11 @@ http::Response get_readyz(Service&, http::Request&);
 http::Response get_metrics(Service&, http::Request&);
 http::Response get_version(Service&, http::Request&);
 http::Response get_problem(Service&, http::Request&);
+// page.cpp
+http::Response get_ui(Service&, http::Request&);
+http::Response get_ui_file(Service&, http::Request&);
+http::Response get_ui_examples(Service&, http::Request&);
+http::Response get_ui_example(Service&, http::Request&);
 // graphs.cpp
 http::Response get_nodes(Service&, http::Request&);
 http::Response get_node(Service&, http::Request&);
