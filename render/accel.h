@@ -11,15 +11,18 @@
 
 namespace alder {
 
+inline constexpr uint32_t kNothing = ~uint32_t{0};
 struct Ray {
     Vec3f origin, direction;
     float t_min = 0, t_max = 0;
+    float time = 0.5f;  ///< of the shutter, 0..1
+    /// The thread or ball that the ray leaves, which it does not meet: threads are thinner than any safe distance from them.
+    uint32_t self_instance = kNothing, self_primitive = kNothing;
 };
 
-inline constexpr uint32_t kNothing = ~uint32_t{0};
 struct Hit {
-    float t = 0, u = 0, v = 0;  ///< barycentrics of the triangle's second and third corner
-    uint32_t instance = kNothing, triangle = kNothing;
+    float t = 0, u = 0, v = 0;  ///< barycentrics of the triangle's second and third corner; on threads and balls see geometry/curves.h
+    uint32_t instance = kNothing, triangle = kNothing;  ///< `triangle`: index of the primitive, whatever its shape
     bool valid() const { return instance != kNothing; }
 };
 

@@ -36,10 +36,14 @@ struct Batch {
     const InputScene& scene;
     std::span<const ShadingPoint> points;
     const RayHistory* const* history;
+    std::span<const InstanceFrame> moved;  ///< by point; empty: nothing moves
 
     const ShadingPoint& at(size_t i) const { return points[i]; }
     bool on_mesh(size_t i) const { return points[i].instance != kNothing; }
-    const InstanceFrame& frame(size_t i) const { return on_mesh(i) ? scene.surfaces->frame(points[i].instance) : points[i].lamp ? *points[i].lamp : kIdentityFrame; }
+    bool on_triangle(size_t i) const { return on_mesh(i) && mesh(i).shape == Shape::Triangles; }
+    bool on_curve(size_t i) const { return on_mesh(i) && mesh(i).shape == Shape::Curves; }
+    bool on_sphere(size_t i) const { return on_mesh(i) && mesh(i).shape == Shape::Spheres; }
+    const InstanceFrame& frame(size_t i) const { return on_mesh(i) && !moved.empty() ? moved[i] : on_mesh(i) ? scene.surfaces->frame(points[i].instance) : points[i].lamp ? *points[i].lamp : kIdentityFrame; }
     const Mesh& mesh(size_t i) const { return scene.surfaces->mesh_of(points[i].instance); }
     const Instance& instance(size_t i) const { return scene.surfaces->instances()[points[i].instance]; }
 
@@ -53,12 +57,37 @@ struct Batch {
         }
         const Mesh& m = mesh(i);
         const ShadingPoint& s = points[i];
+        if (m.shape != Shape::Triangles) return frame(i).world_to_object.point(s.p);
         const auto& t = m.triangles[s.triangle];
-        return m.positions[t[0]] * (1 - s.u - s.v) + m.positions[t[1]] * s.u + m.positions[t[2]] * s.v;
+        return position_at(m, t[0], s.time) * (1 - s.u - s.v) + position_at(m, t[1], s.time) * s.u + position_at(m, t[2], s.time) * s.v;
+    }
+    std::array<Vec3f, 3> world_triangle(size_t i) const { return scene.surfaces->world_triangle(points[i].instance, points[i].triangle, points[i].time); }
+    /// A curve's axis, in object space.
+    CurvePoint axis(size_t i) const {
+        const ShadingPoint& s = points[i];
+        return scene.surfaces->curve_point(s.instance, s.triangle, s.u, s.time);
+    }
+    CurveSegment segment(size_t i) const { return scene.surfaces->tables_of(points[i].instance).curves().segments[points[i].triangle]; }
+    /// Radius interpolated between the ends of the segment (or of the sphere), in object space.
+    float thread_radius(size_t i) const {
+        const ShadingPoint& s = points[i];
+        if (on_sphere(i)) return radius_at(mesh(i), s.triangle, s.time);
+        const uint32_t p = segment(i).point;
+        return radius_at(mesh(i), p, s.time) * (1 - s.u) + radius_at(mesh(i), p + 1, s.time) * s.u;
+    }
+    /// The same in world space: by the length of the diagonal, as Cycles has it for uneven scales.
+    float world_radius(size_t i) const { return thread_radius(i) * length(frame(i).object_to_world.vector(Vec3f(0.57735027f))); }
+    /// The first pair of numbers stored per curve, as Cycles takes a curve's UV.
+    Vec3f curve_uv(size_t i) const {
+        for (const Attribute& a : mesh(i).attributes) {
+            const size_t k = 2 * size_t{segment(i).curve};
+            if (a.domain == Domain::Curve && a.channels == 2 && k + 1 < a.values.size()) return {a.values[k], a.values[k + 1], 0};
+        }
+        return Vec3f(0.f);
     }
     UvTriangle uv_corners(size_t i) const {
         UvTriangle r;
-        if (!on_mesh(i)) return r;
+        if (!on_triangle(i)) return r;
         const Mesh& m = mesh(i);
         if (m.uv.size() < 3 * m.triangles.size()) return r;
         r.present = true;
@@ -71,6 +100,7 @@ struct Batch {
     Vec3f uv(size_t i) const {
         const ShadingPoint& s = points[i];
         if (!on_mesh(i)) return {s.u, s.v, 0};
+        if (on_curve(i)) return curve_uv(i);
         const UvTriangle t = uv_corners(i);
         if (!t.present) return Vec3f(0.f);
         return t.uv[0] * (1 - s.u - s.v) + t.uv[1] * s.u + t.uv[2] * s.v;
@@ -82,15 +112,25 @@ struct Batch {
         for (int k = 0; k < 3; ++k) d[k] = d[k] != 0 ? 1 / d[k] : 1.f;
         return d;
     }
+    /// Where generated coordinates are taken: the shape at its frame, the root of a curve, the centre of a sphere.
+    Vec3f undeformed(size_t i) const {
+        const Mesh& m = mesh(i);
+        const ShadingPoint& s = points[i];
+        if (m.shape == Shape::Spheres) return m.positions[s.triangle];
+        if (m.shape == Shape::Curves) return m.positions[m.curve_first[segment(i).curve]];
+        if (!m.moves()) return p_object(i);
+        const auto& t = m.triangles[s.triangle];
+        return m.positions[t[0]] * (1 - s.u - s.v) + m.positions[t[1]] * s.u + m.positions[t[2]] * s.v;
+    }
     Vec3f generated(size_t i) const {
         if (!on_mesh(i)) return points[i].p;
         const auto& b = mesh(i).generated_bounds;
-        return (p_object(i) - (b[0] + b[1]) * 0.5f) * generated_scale(i) + Vec3f(0.5f);
+        return (undeformed(i) - (b[0] + b[1]) * 0.5f) * generated_scale(i) + Vec3f(0.5f);
     }
     bool uv_gradient(size_t i, Vec3f& du, Vec3f& dv) const {
         const UvTriangle t = uv_corners(i);
         if (!t.present) return false;
-        const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
+        const auto p = world_triangle(i);
         const Vec3f e1 = p[1] - p[0], e2 = p[2] - p[0], t1 = t.uv[1] - t.uv[0], t2 = t.uv[2] - t.uv[0];
         const float det = t1.x * t2.y - t2.x * t1.y;
         if (det == 0 || !std::isfinite(1 / det)) return false;
@@ -100,11 +140,13 @@ struct Batch {
     }
     Vec3f dpdu(size_t i) const {
         Vec3f du, dv;
+        if (on_curve(i)) return frame(i).object_to_world.vector(axis(i).tangent);
         if (uv_gradient(i, du, dv)) return du;
         return on_mesh(i) ? frame_about(points[i].n).x : Vec3f(0.f);
     }
     Vec3f dpdv(size_t i) const {
         Vec3f du, dv;
+        if (on_curve(i)) return cross(dpdu(i), vec3(Global::Ng, i));
         if (uv_gradient(i, du, dv)) return dv;
         return on_mesh(i) ? frame_about(points[i].n).y : Vec3f(0.f);
     }
@@ -117,7 +159,8 @@ struct Batch {
         float weight[3] = {};
     };
     CornerSteps corner_steps(size_t i, bool y) const {
-        const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
+        if (!on_triangle(i)) return {};
+        const auto p = world_triangle(i);
         const Vec3f e1 = p[1] - p[0], e2 = p[2] - p[0], step = dpdx(i, y), across = cross(e1, e2);
         const float size = dot(across, across), u = dot(cross(step, e2), across) / size, v = dot(cross(e1, step), across) / size;
         if (!std::isfinite(u) || !std::isfinite(v)) return {};
@@ -137,7 +180,7 @@ struct Batch {
         if (!on_mesh(i)) return {1, 0, 0};
         const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
         const ShadingPoint& s = points[i];
-        if (!table.tangents.empty()) {
+        if (on_triangle(i) && !table.tangents.empty()) {
             const Vec3f* const t = table.tangents.data() + size_t{3} * s.triangle;
             return t[0] * (1 - s.u - s.v) + t[1] * s.u + t[2] * s.v;
         }
@@ -155,7 +198,7 @@ struct Batch {
     }
     /// Interpolated in object space, not normalised: how far it is from unit length matters to tangent-space maps.
     Vec3f normal_object(size_t i) const {
-        if (!on_mesh(i)) return Vec3f(0.f);
+        if (!on_triangle(i)) return Vec3f(0.f);
         const ShadingPoint& s = points[i];
         const Mesh& m = mesh(i);
         if (!m.smooth.empty() && !m.smooth[s.triangle]) return Vec3f(0.f);  // flat: the node takes N
@@ -168,8 +211,8 @@ struct Batch {
         return sum;
     }
     float edge_distance(size_t i) const {
-        if (!on_mesh(i)) return 0;
-        const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
+        if (!on_triangle(i)) return 0;
+        const auto p = world_triangle(i);
         float nearest = std::numeric_limits<float>::infinity();
         for (int k = 0; k < 3; ++k) {
             const Vec3f edge = p[(k + 1) % 3] - p[k];
@@ -185,7 +228,7 @@ struct Batch {
         return dot(t, t) > 0 ? t : frame_about(n).x;
     }
     float tangent_sign(size_t i) const {
-        if (!on_mesh(i)) return 1;
+        if (!on_triangle(i)) return 1;
         const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
         return table.signs.empty() ? 1 : table.signs[size_t{3} * points[i].triangle];
     }
@@ -199,7 +242,7 @@ Vec3f Batch::vec3(Global g, size_t i) const {
     switch (g) {
         case Global::P: return s.p;
         case Global::N: return s.n;
-        case Global::Ng: return s.ng;
+        case Global::Ng: return on_curve(i) && mesh(i).curve_form == CurveForm::Ribbon ? s.wo : s.ng;
         case Global::I: return s.wo;
         case Global::Po: return p_object(i);
         case Global::NormalObject: return normal_object(i);
@@ -243,6 +286,11 @@ Vec3f Batch::vec3(Global g, size_t i) const {
         case Global::Ro: return history[i]->origin;
         case Global::ObjectColor: return on_mesh(i) ? instance(i).color : Vec3f(1.f);
         case Global::FibreTangent: return safe_normalize(dpdu(i));
+        case Global::FibreNormal: {
+            if (!on_curve(i) || mesh(i).curve_normals.empty()) return Vec3f(0.f);
+            const Vec3f* const n = mesh(i).curve_normals.data() + segment(i).point;
+            return safe_normalize(frame(i).normal(n[0] * (1 - s.u) + n[1] * s.u));
+        }
         case Global::Ld:
         default: return Vec3f(0.f);
     }
@@ -278,19 +326,23 @@ float Batch::scalar(Global g, size_t i) const {
             return m < scene.material_pass_index.size() ? static_cast<float>(scene.material_pass_index[m]) : 0.f;
         }
         case Global::ObjectRandom: return on_mesh(i) ? instance(i).random : 0.f;
-        case Global::IslandRandom: return on_mesh(i) ? scene.surfaces->tables_of(s.instance).island_random()[s.triangle] : 0.f;
+        case Global::IslandRandom: return on_triangle(i) ? scene.surfaces->tables_of(s.instance).island_random()[s.triangle] : 0.f;
         case Global::Pointiness: {
-            if (!on_mesh(i)) return 0;
+            if (!on_triangle(i)) return 0;
             const auto& table = scene.surfaces->tables_of(s.instance).pointiness();
             const auto& t = mesh(i).triangles[s.triangle];
             return table[t[0]] * (1 - s.u - s.v) + table[t[1]] * s.u + table[t[2]] * s.v;
         }
-        case Global::BarycentricU: return 1 - s.u - s.v;  // Cycles' Parametric: weights of the first and second corner
-        case Global::BarycentricV: return s.u;
+        case Global::BarycentricU:  // Cycles' Parametric: weights of the first and second corner
+            if (on_sphere(i)) return 1;
+            return 1 - s.u - (on_triangle(i) || !on_mesh(i) || mesh(i).curve_form == CurveForm::Ribbon ? s.v : 0.f);
+        case Global::BarycentricV: return on_sphere(i) ? 0.f : s.u;
         case Global::PixelFootprint: return s.footprint;
         case Global::EdgeDistance: return edge_distance(i);
         case Global::FibreOffset: return std::clamp(-dot(s.n, safe_normalize(cross(dpdu(i), s.wo))), -1.f, 1.f);
-        case Global::FibreCoverage: return 1;
+        case Global::FibreCoverage: return on_curve(i) && ray.kinds & kRayCamera ? 0.5f * s.footprint / thread_radius(i) : 1.f;
+        case Global::IsStrand: return on_curve(i) ? 1 : 0;
+        case Global::FibreRandom: return on_curve(i) ? element_random(segment(i).curve) : 0.f;
         case Global::PreviousAlpha: return ray.previous_alpha;
         case Global::Time:
         default: return 0;
@@ -317,6 +369,7 @@ void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, co
     std::fill(out, out + 4, 0.f);
     const float sum = weight[0] + weight[1] + weight[2];
     switch (a.domain) {
+        case Domain::Curve: return;  // not of triangles
         case Domain::Mesh: return read(0, sum);
         case Domain::Face: return read(s.triangle, sum);
         case Domain::Point:
@@ -327,15 +380,68 @@ void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, co
             return;
     }
 }
-void interpolate(const Attribute& a, const Mesh& mesh, const ShadingPoint& s, float* out) {
-    interpolate(a, mesh, s, {1 - s.u - s.v, s.u, s.v}, out);
+void interpolate(const Attribute& a, const Batch& batch, size_t i, float* out) {
+    const ShadingPoint& s = batch.at(i);
+    const Mesh& mesh = batch.mesh(i);
+    if (mesh.shape == Shape::Triangles) return interpolate(a, mesh, s, {1 - s.u - s.v, s.u, s.v}, out);
+    std::fill(out, out + 4, 0.f);
+    const auto read = [&](size_t element, float weight) {
+        for (int c = 0; c < a.channels; ++c) {
+            const size_t k = element * a.channels + c;
+            out[c] += k < a.values.size() ? weight * a.values[k] : 0.f;
+        }
+    };
+    if (a.domain == Domain::Mesh) return read(0, 1);
+    if (mesh.shape == Shape::Spheres) return a.domain == Domain::Point ? read(s.triangle, 1) : void();
+    const CurveSegment segment = batch.segment(i);
+    if (a.domain == Domain::Curve) return read(segment.curve, 1);
+    if (a.domain != Domain::Point) return;
+    read(segment.point, 1 - s.u);
+    read(segment.point + 1, s.u);
+}
+
+/// What a curve or a sphere knows of itself.
+Vec3f thread_info(const Batch& batch, size_t i, InputPlan::Part part) {
+    using Part = InputPlan::Part;
+    const ShadingPoint& s = batch.at(i);
+    if (batch.on_sphere(i)) {
+        switch (part) {
+            case Part::SpherePosition: return batch.frame(i).object_to_world.point(position_at(batch.mesh(i), s.triangle, s.time));
+            case Part::SphereRadius: return Vec3f(batch.world_radius(i));
+            case Part::SphereRandom: return Vec3f(element_random(s.triangle));
+            default: return Vec3f(0.f);
+        }
+    }
+    if (!batch.on_curve(i)) return Vec3f(0.f);
+    const CurveTable& table = batch.scene.surfaces->tables_of(s.instance).curves();
+    const CurveSegment segment = batch.segment(i);
+    switch (part) {
+        case Part::IsStrand: return Vec3f(1.f);
+        case Part::Intercept: return Vec3f(table.intercepts[segment.point] * (1 - s.u) + table.intercepts[segment.point + 1] * s.u);
+        case Part::CurveLength: return Vec3f(table.lengths[segment.curve]);
+        case Part::Thickness: return Vec3f(2 * batch.world_radius(i));
+        case Part::TangentNormal: {
+            const Vec3f t = safe_normalize(batch.dpdu(i));
+            return safe_normalize(s.wo - t * dot(t, s.wo));
+        }
+        case Part::CurveRandom: return Vec3f(element_random(segment.curve));
+        default: return Vec3f(0.f);
+    }
 }
 
 }  // namespace
 
 namespace {
 
-InputPlan::Part take_suffix(std::string_view& name) {
+InputPlan::Part part_of(std::string_view& name) {
+    using Part = InputPlan::Part;
+    constexpr std::pair<std::string_view, Part> kWhole[] = {
+        {kSceneInstance, Part::Instance}, {kScenePositionError, Part::PositionError}, {"curve:is_strand", Part::IsStrand},
+        {"curve:intercept", Part::Intercept}, {"curve:length", Part::CurveLength}, {"curve:thickness", Part::Thickness},
+        {"curve:tangent_normal", Part::TangentNormal}, {"curve:random", Part::CurveRandom}, {"point:position", Part::SpherePosition},
+        {"point:radius", Part::SphereRadius}, {"point:random", Part::SphereRandom}};
+    for (const auto& [whole, part] : kWhole)
+        if (name == whole) return part;
     constexpr std::pair<std::string_view, InputPlan::Part> kSuffixes[] = {{kExistsSuffix, InputPlan::Part::Exists},
                                                                           {".alpha", InputPlan::Part::Alpha},
                                                                           {".tangent", InputPlan::Part::Tangent},
@@ -373,7 +479,7 @@ InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
         if (in.is_attribute) {
             e.attribute_by_mesh.assign(surfaces.meshes().size(), nullptr);
             std::string_view name = in.attribute;
-            e.part = name == kSceneInstance ? Part::Instance : name == kScenePositionError ? Part::PositionError : take_suffix(name);
+            e.part = part_of(name);
             const bool tangents = e.part == Part::Tangent || e.part == Part::TangentSign;
             if (tangents) e.tangents_by_mesh.resize(surfaces.meshes().size());
             for (size_t m = 0; m < surfaces.meshes().size(); ++m) {
@@ -395,13 +501,19 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
     bool one_instance = true;
     for (const ShadingPoint& s : points) one_instance = one_instance && s.instance == points[0].instance && s.lamp == points[0].lamp;
 
-    const Batch batch{scene, points, history};
+    bool any_moves = false;
+    for (const ShadingPoint& s : points) any_moves = any_moves || (s.instance != kNothing && scene.surfaces->moves(s.instance));
+    moved_.clear();
+    if (any_moves)
+        for (const ShadingPoint& s : points) moved_.push_back(s.instance != kNothing ? scene.surfaces->frame_at(s.instance, s.time) : kIdentityFrame);
+
+    const Batch batch{scene, points, history, moved_};
     float* next = memory_.data();
     size_t channel = 0;
     for (const InputPlan::Entry& e : plan.entries()) {
         const int width = e.input.channels;
         const Global g = e.input.global;
-        const bool uniform = e.input.is_attribute ? e.part == InputPlan::Part::Exists && one_instance : is_constant(g) || (one_instance && is_per_instance(g));
+        const bool uniform = e.input.is_attribute ? e.part == InputPlan::Part::Exists && one_instance : is_constant(g) || (one_instance && !any_moves && is_per_instance(g));
         const size_t count = uniform ? 1 : n, rows = uniform ? kPadding : padded;
         float* const out = next;
         if (e.input.is_attribute) {
@@ -416,7 +528,7 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                     case InputPlan::Part::PositionError: out[i] = s.error; continue;
                     case InputPlan::Part::Exists: out[i] = a ? 1.f : 0.f; continue;
                     case InputPlan::Part::Alpha:
-                        if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
+                        if (a) interpolate(*a, batch, i, v);
                         out[i] = a && a->channels == 4 ? v[3] : 1.f;
                         continue;
                     case InputPlan::Part::Tangent: {
@@ -429,12 +541,17 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                         continue;
                     case InputPlan::Part::StepX:
                     case InputPlan::Part::StepY:
-                        if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, batch.corner_steps(i, e.part == InputPlan::Part::StepY).weight, v);
+                        if (a && batch.on_triangle(i)) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, batch.corner_steps(i, e.part == InputPlan::Part::StepY).weight, v);
                         for (int c = 0; c < width; ++c) out[rows * c + i] = c < 3 && a ? converted(v, a->channels, width, c) : 0.f;
                         continue;
                     case InputPlan::Part::Value: break;
+                    default: {
+                        const Vec3f info = on_mesh ? thread_info(batch, i, e.part) : Vec3f(0.f);
+                        for (int c = 0; c < width && c < 3; ++c) out[rows * c + i] = info[c];
+                        continue;
+                    }
                 }
-                if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, v);
+                if (a) interpolate(*a, batch, i, v);
                 for (int c = 0; c < width; ++c) out[rows * c + i] = a ? converted(v, a->channels, width, c) : 0.f;
             }
         } else if (width == 1) {

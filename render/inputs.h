@@ -26,6 +26,7 @@ struct RayHistory {
     uint32_t kinds = kRayCamera;
     uint16_t depth = 0, diffuse = 0, glossy = 0, transmission = 0, transparent = 0;
     float previous_alpha = 0;  ///< width of the lobe that cast the ray (alShaders' roughness message)
+    float time = 0.5f;         ///< of the shutter, 0..1
 };
 
 /// What inputs depend on besides the points.
@@ -49,6 +50,8 @@ class InputPlan {
         PositionError,  ///< "scene:position_error"
         StepX,        ///< ":dx": change from pixel to pixel in x (alTriplanar)
         StepY,        ///< ":dy"
+        // What curves and spheres know of themselves (nodes/input/particle_info.cpp); zero elsewhere
+        IsStrand, Intercept, CurveLength, Thickness, TangentNormal, CurveRandom, SpherePosition, SphereRadius, SphereRandom,
     };
     struct Entry {
         ProgramInput input;
@@ -75,6 +78,7 @@ class InputGather {
     struct Fill;
     std::vector<float> memory_;
     std::vector<Channel<float>> channels_;
+    std::vector<InstanceFrame> moved_;  ///< by point, where something of the batch moves
 };
 
 }  // namespace alder

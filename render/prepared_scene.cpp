@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "render/geometry/displace.h"
 #include "render/worker.h"
 
 namespace alder {
@@ -15,6 +16,19 @@ double seconds_since(std::chrono::steady_clock::time_point t) {
 
 void fault(Diagnostics& d, std::string pointer, std::string found, std::string expected) {
     if (d.errors.size() < kMaxDiagnostics) d.errors.push_back({std::move(pointer), "scene-invalid", std::move(found), std::move(expected), {}});
+}
+
+/// Curves and spheres have radii and no triangles, triangles neither; curves cover the points one after the other.
+void check_threads(const Mesh& m, const std::string& at, Diagnostics& d) {
+    if (m.shape == Shape::Triangles) return;
+    if (!m.triangles.empty()) fault(d, at + "/triangles", "triangles among curves or points", "none");
+    if (m.radii.size() != m.positions.size()) fault(d, at + "/radii", std::to_string(m.radii.size()) + " elements", std::to_string(m.positions.size()));
+    if (m.shape != Shape::Curves) return;
+    bool ascending = !m.curve_first.empty() && m.curve_first.front() == 0 && m.curve_first.back() == m.positions.size();
+    for (size_t i = 0; i + 1 < m.curve_first.size(); ++i) ascending = ascending && m.curve_first[i] < m.curve_first[i + 1];
+    if (!ascending) fault(d, at + "/curve_first", "curves that do not follow each other", "0, ascending, up to the number of points");
+    if (!m.curve_normals.empty() && m.curve_normals.size() != m.positions.size())
+        fault(d, at + "/curve_normals", std::to_string(m.curve_normals.size()) + " elements", std::to_string(m.positions.size()) + " or none");
 }
 
 /// Everything that would read outside an array. Values (NaN positions, zero areas) are dealt with where they are used.
@@ -43,6 +57,12 @@ void check(const Scene& s, Diagnostics& d) {
         length("face_material", m.face_material.size(), triangles);
         length("uv", m.uv.size(), corners);
         length("tangents", m.tangents.size(), corners);
+        check_threads(m, at, d);
+        const size_t moved = m.moves() ? static_cast<size_t>(m.motion_steps) * m.positions.size() : 0;
+        if (m.moves() && m.motion_positions.size() != moved)
+            fault(d, at + "/motion_positions", std::to_string(m.motion_positions.size()) + " points", std::to_string(moved));
+        length("motion_normals", m.motion_normals.size(), moved);
+        length("motion_radii", m.motion_radii.size(), moved);
     }
     for (size_t i = 0; i < s.instances.size(); ++i) {
         const Instance& in = s.instances[i];
@@ -55,9 +75,11 @@ void check(const Scene& s, Diagnostics& d) {
 }
 
 void warn_about_displacement(const SceneMaterial& m, Diagnostics& d) {
-    if (m.graph && m.graph->has_displacement())
-        d.warnings.push_back({"/materials/" + m.name + "/outputs/displacement", "unsupported", "displacement",
-                              "no displacement: the surface is rendered undisplaced", {}});
+    if (m.graph && m.graph->has_displacement() && m.displacement != Displacement::Move)
+        d.warnings.push_back({"/materials/" + m.name + "/outputs/displacement", "unsupported", "displacement as bump",
+                              m.displacement == Displacement::Both ? "vertices moved, but normals not turned by what is finer than them"
+                                                                   : "normals turned: they are rendered as they were",
+                              {}});
 }
 
 void finish(PreparedScene& p) {
@@ -104,7 +126,11 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
     p->scene = scene;
     p->workers = std::make_shared<WorkerPool>(context);
     const auto build_start = std::chrono::steady_clock::now();
-    p->surfaces = std::make_shared<Surfaces>(scene->meshes, scene->instances);
+    auto meshes = scene->meshes;
+    auto instances = scene->instances;
+    displace(*scene, context, meshes, instances, d);
+    if (!d.ok()) return nullptr;
+    p->surfaces = std::make_shared<Surfaces>(std::move(meshes), std::move(instances));
     p->build_seconds = seconds_since(build_start);
 
     const auto compile_start = std::chrono::steady_clock::now();
@@ -143,10 +169,17 @@ std::shared_ptr<const PreparedScene> with_material(const std::shared_ptr<const P
         fault(d, "/materials/" + std::to_string(material), std::to_string(material), "below " + std::to_string(base->materials.size()));
         return nullptr;
     }
+    SceneMaterial changed = base->materials[material]->material;
+    const bool displaced = displaces(changed);
+    changed.graph = std::move(graph);
+    if (displaced || displaces(changed)) {  // other vertices: everything follows from them
+        auto scene = std::make_shared<Scene>(*base->scene);
+        for (size_t i = 0; i < scene->materials.size(); ++i) scene->materials[i] = base->materials[i]->material;
+        scene->materials[material] = std::move(changed);
+        return prepare_scene(std::move(scene), base->workers->context(), d);
+    }
     auto p = std::make_shared<PreparedScene>(*base);
     const auto start = std::chrono::steady_clock::now();
-    SceneMaterial changed = base->materials[material]->material;
-    changed.graph = std::move(graph);
     warn_about_displacement(changed, d);
     p->materials[material] = compile_material(changed, *p->surfaces, p->scene->settings, d);
     if (!p->materials[material]) return nullptr;

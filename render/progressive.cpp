@@ -221,6 +221,7 @@ void ProgressiveRender::collect(std::unique_ptr<Worker> w) {
     stats_.bounce_rays += c.bounce_rays;
     stats_.shadow_rays += c.shadow_rays;
     stats_.subsurface_rays += c.subsurface_rays;
+    stats_.timed_paths += c.timed_paths;
     stats_.shading_points += c.shading_points;
     stats_.nonfinite_samples += c.nonfinite_samples;
     const ExecStats e = w->executed();

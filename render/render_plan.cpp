@@ -27,6 +27,8 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
       seed(r.seed != 0 ? r.seed : s.scene->settings.seed),
       camera(s.scene->camera, settings.width, settings.height),
       filter(settings.filter, settings.filter_width),
+      shutter(settings.shutter_curve),
+      moves(s.surfaces->anything_moves() || camera.moves()),
       query(*s.surfaces),
       cancel(r.cancel) {
     width = settings.width;

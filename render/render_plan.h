@@ -10,6 +10,7 @@
 #include "render/filter.h"
 #include "render/prepared_scene.h"
 #include "render/scene_query.h"
+#include "render/shutter.h"
 
 namespace alder {
 
@@ -22,6 +23,8 @@ struct RenderPlan {
     int crop_x = 0, crop_y = 0, width = 0, height = 0;  ///< data window
     CameraModel camera;
     PixelFilter filter;
+    Shutter shutter;
+    bool moves = false;  ///< whether rays need a time
     std::shared_ptr<const AovPlan> aovs;           ///< shared with pictures, which outlive the render
     std::vector<std::string> graph_aovs;             ///< what the materials compute
     InputScene inputs;

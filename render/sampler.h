@@ -24,6 +24,7 @@ Sample4 sample_set(SampleKey key, uint32_t set);
 
 /// Sets by purpose. A vertex is any meeting with a surface, those passed straight through included.
 inline constexpr uint32_t kSetCamera = 0;  ///< filter x, y; lens x, y
+inline constexpr uint32_t kSetTime = 1;    ///< when, where something moves
 inline constexpr uint32_t kSetsOfCamera = 2, kSetsPerVertex = 4;
 inline constexpr uint32_t set_scatter(uint32_t vertex) { return kSetsOfCamera + kSetsPerVertex * vertex; }  ///< u1 u2, lobe, roulette
 inline constexpr uint32_t set_light(uint32_t vertex) { return set_scatter(vertex) + 1; }                   ///< u1 u2, choice of light

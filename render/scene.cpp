@@ -68,6 +68,15 @@ Transform Transform::operator*(const Transform& b) const {
     return r;
 }
 
+size_t Mesh::primitive_count() const {
+    switch (shape) {
+        case Shape::Triangles: return triangles.size();
+        case Shape::Spheres: return positions.size();
+        case Shape::Curves: return curve_first.empty() ? 0 : positions.size() - (curve_first.size() - 1);  // one less a curve
+    }
+    return 0;
+}
+
 float Transform::determinant() const { return float(determinant_of(m, cofactors(m))); }
 
 }  // namespace alder

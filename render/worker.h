@@ -7,6 +7,7 @@
 // path, contributions are added in the order of its vertices, and at a vertex in the order of the stages.
 #pragma once
 #include <array>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,7 +24,7 @@
 namespace alder {
 
 struct WorkerCounters {
-    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0, shading_points = 0, nonfinite_samples = 0;
+    uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0, timed_paths = 0, shading_points = 0, nonfinite_samples = 0;
 };
 
 /// The layer a lobe's light goes to; glass counts by the side it leaves on (as in Cycles).
@@ -67,6 +68,7 @@ class Worker {
         float t_min = 0, t_max = 0;
         float footprint = 0, spread = 0;
         Vec3f throughput{1, 1, 1};
+        float min_pdf = std::numeric_limits<float>::max();  ///< smallest density of its directions, for RenderSettings::filter_glossy
         float scatter_pdf = 0;  ///< density of the direction, 0: delta or camera, so no light sample competes
         SampleKey key;
         uint32_t slot = 0;      ///< row of the sample
@@ -113,6 +115,7 @@ class Worker {
     // stages/camera.cpp
     void start_paths(const Tile& tile, uint64_t first, uint32_t count);
     void resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf);
+    void expose(float* row) const;
     // stages/intersect.cpp
     void intersect();
     void meet_lamps(uint32_t path, float t_max);

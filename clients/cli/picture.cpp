@@ -114,7 +114,7 @@ nlohmann::json texture_usage() {
 
 nlohmann::json statistics(const RenderStats& s, double load_seconds, double write_seconds) {
     return {{"seconds", {{"load", load_seconds}, {"build", s.build_seconds}, {"compile", s.compile_seconds}, {"render", s.render_seconds}, {"write", write_seconds}}},
-            {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}, {"subsurface", s.subsurface_rays}, {"total", s.camera_rays + s.bounce_rays + s.shadow_rays + s.subsurface_rays}}},
+            {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}, {"subsurface", s.subsurface_rays}, {"timed_paths", s.timed_paths}, {"total", s.camera_rays + s.bounce_rays + s.shadow_rays + s.subsurface_rays}}},
             {"shading_points", s.shading_points},
             {"node_evaluations", s.node_evaluations},
             {"node_evaluations_skipped", s.node_skipped},

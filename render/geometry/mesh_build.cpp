@@ -83,7 +83,7 @@ bool uv_derivatives(const std::array<Vec3f, 3>& p, const std::array<std::array<f
 }
 
 void fill_derived(Mesh& mesh, bool with_tangents) {
-    if (mesh.vertex_normals.empty() && mesh.corner_normals.empty()) {
+    if (mesh.shape == Shape::Triangles && mesh.vertex_normals.empty() && mesh.corner_normals.empty()) {
         mesh.vertex_normals = compute_vertex_normals(mesh.positions, mesh.triangles);
     }
     const Vec3f& lo = mesh.generated_bounds[0];

@@ -91,6 +91,11 @@ const MeshTables::TangentTable& MeshTables::tangents() const {
     return tangents_;
 }
 
+const CurveTable& MeshTables::curves() const {
+    std::call_once(curves_once_, [this] { curves_ = CurveTable::make(*mesh_); });
+    return curves_;
+}
+
 const std::vector<float>& MeshTables::island_random() const {
     std::call_once(islands_once_, [this] { islands_ = make_islands(*mesh_); });
     return islands_;

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "render/accel.h"
+#include "render/geometry/curves.h"
+#include "render/geometry/motion.h"
 #include "render/scene.h"
 
 namespace alder {
@@ -27,12 +29,14 @@ class MeshTables {
     const std::vector<float>& island_random() const;
     /// Per point, 0 concave .. 0.5 flat .. 1 convex.
     const std::vector<float>& pointiness() const;
+    const CurveTable& curves() const;
 
   private:
     std::shared_ptr<const Mesh> mesh_;
-    mutable std::once_flag tangents_once_, islands_once_, pointiness_once_;
+    mutable std::once_flag tangents_once_, islands_once_, pointiness_once_, curves_once_;
     mutable TangentTable tangents_;
     mutable std::vector<float> islands_, pointiness_;
+    mutable CurveTable curves_;
 };
 
 struct InstanceFrame {
@@ -51,6 +55,7 @@ struct ShadingPoint {
     Vec3f p, ng, n, wo;
     float u = 0, v = 0;          ///< barycentrics as in Hit
     uint32_t instance = kNothing, triangle = 0;
+    float time = 0.5f;           ///< of the shutter
     float distance = 0;          ///< along the ray
     float footprint = 0;         ///< half a pixel's width here (ray cone radius)
     float error = 0;             ///< bound of the rounding error of p, world units
@@ -66,7 +71,12 @@ class Surfaces {
 
     const std::vector<Instance>& instances() const { return instances_; }
     const std::vector<std::shared_ptr<const Mesh>>& meshes() const { return meshes_; }
+    /// At rest, or as it stands at its frame's time.
     const InstanceFrame& frame(uint32_t instance) const { return frames_[instance]; }
+    bool moves(uint32_t instance) const { return !motion_[instance].empty(); }
+    /// Whether anything depends on time.
+    bool anything_moves() const { return anything_moves_; }
+    InstanceFrame frame_at(uint32_t instance, float time) const;
     const Mesh& mesh_of(uint32_t instance) const { return *meshes_[instances_[instance].mesh]; }
     const MeshTables& tables_of(uint32_t instance) const { return *tables_[instances_[instance].mesh]; }
     const Accel& accel() const { return accel_; }
@@ -79,15 +89,21 @@ class Surfaces {
         return i.materials[std::min<size_t>(m.face_material[triangle], i.materials.size() - 1)];
     }
     /// All but `footprint`.
-    ShadingPoint point(uint32_t instance, uint32_t triangle, float u, float v, Vec3f direction, float distance) const;
-    /// Corners in world space.
-    std::array<Vec3f, 3> world_triangle(uint32_t instance, uint32_t triangle) const;
+    ShadingPoint point(uint32_t instance, uint32_t triangle, float u, float v, Vec3f direction, float distance, float time = 0.5f) const;
+    /// Corners in world space; the mesh must be one of triangles.
+    std::array<Vec3f, 3> world_triangle(uint32_t instance, uint32_t triangle, float time = 0.5f) const;
+    /// Point of a curve's axis, in object space.
+    CurvePoint curve_point(uint32_t instance, uint32_t segment, float u, float time) const;
 
   private:
+    void triangle_point(const Mesh& mesh, const InstanceFrame& frame, ShadingPoint& s) const;
+    void thread_point(const Mesh& mesh, const InstanceFrame& frame, ShadingPoint& s) const;
     std::vector<std::shared_ptr<const Mesh>> meshes_;
     std::vector<std::unique_ptr<MeshTables>> tables_;
     std::vector<Instance> instances_;
     std::vector<InstanceFrame> frames_;
+    std::vector<std::vector<MotionKey>> motion_;  ///< by instance; empty: at rest
+    bool anything_moves_ = false;
     Accel accel_;
 };
 

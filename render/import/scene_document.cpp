@@ -11,31 +11,37 @@ using nlohmann::json;
 
 namespace {
 
-void read_meshes(SceneReading& s, const json& j, const std::string& pointer) {
+/// Meshes, curves or points.
+void read_shapes(SceneReading& s, const json& j, Shape shape, const std::string& pointer) {
     JsonReader all = s.object(j, pointer);
     if (!all.ok()) return;
-    if (j.size() > s.options.limits.meshes) {
-        add_error(s.d, pointer, "limit-exceeded", std::to_string(j.size()) + " meshes", "at most " + std::to_string(s.options.limits.meshes));
+    const char* const member = kShapeMembers[int(shape)];
+    if (s.scene.meshes.size() + j.size() > s.options.limits.meshes) {
+        add_error(s.d, pointer, "limit-exceeded", std::to_string(s.scene.meshes.size() + j.size()) + " meshes", "at most " + std::to_string(s.options.limits.meshes));
         return;
     }
-    // Meshes about which the earlier revision's document says the same are that revision's.
+    // Shapes about which the earlier revision's document says the same are that revision's.
     const json* before = nullptr;
     std::map<std::string_view, std::shared_ptr<const Mesh>> kept;
-    if (s.options.previous && s.options.previous_document && s.options.previous_document->contains("meshes")) {
-        before = &(*s.options.previous_document)["meshes"];
-        for (const auto& m : s.options.previous->meshes) kept.emplace(m->name, m);
+    if (s.options.previous && s.options.previous_document && s.options.previous_document->contains(member)) {
+        before = &(*s.options.previous_document)[member];
+        for (const auto& m : s.options.previous->meshes)
+            if (m->shape == shape) kept.emplace(m->name, m);
     }
     for (const auto& [name, value] : j.items()) {
+        const std::string here = pointer + "/" + pointer_token(name);
         uint32_t slots = 1;
         std::shared_ptr<const Mesh> mesh;
         if (const auto k = kept.find(name); before && k != kept.end() && before->contains(name) && (*before)[name] == value) {
             mesh = k->second;
             for (uint32_t m : mesh->face_material) slots = std::max(slots, m + 1);
+        } else if (shape == Shape::Triangles) {
+            mesh = read_mesh(s, name, value, here, slots);
         } else {
-            mesh = read_mesh(s, name, value, pointer + "/" + pointer_token(name), slots);
+            mesh = (shape == Shape::Curves ? read_curves : read_points)(s, name, value, here);
         }
         // A faulty mesh keeps its place, so that instances of it are not reported as well.
-        s.mesh_index.emplace(name, uint32_t(s.scene.meshes.size()));
+        s.shape_index[int(shape)].emplace(name, uint32_t(s.scene.meshes.size()));
         s.scene.meshes.push_back(std::move(mesh));
         s.mesh_slots.push_back(slots);
     }
@@ -58,10 +64,13 @@ void read_materials(SceneReading& s, const json& j, const std::string& pointer) 
         m.name = name;
         const auto other = s.options.material_overrides.find(name);
         json graph = other == s.options.material_overrides.end() ? value : other->second;
-        if (value.is_object() && value.contains("pass_index")) {   // the scene's, not the graph's
+        if (value.is_object() && (value.contains("pass_index") || value.contains("displacement"))) {   // the scene's, not the graph's
             JsonReader r(value, here, s.d, true);
+            int displacement = 0;
             r.integer("pass_index", m.pass_index, 0, 1 << 24);
-            if (graph.is_object()) graph.erase("pass_index");
+            r.choice("displacement", kDisplacementNames, displacement);
+            m.displacement = Displacement(displacement);
+            if (graph.is_object()) graph.erase("pass_index"), graph.erase("displacement");
         }
         m.graph = read_graph(s, graph, here);
         s.material_index.emplace(name, uint32_t(s.scene.materials.size()));
@@ -127,12 +136,13 @@ std::shared_ptr<const Scene> scene_from_json(const json& document, const SceneLo
     if (const json* j = top.member("settings")) read_settings(s, *j, top.pointer_to("settings"));
     read_cameras(s, top);
     if (const json* j = top.member("materials")) read_materials(s, *j, top.pointer_to("materials"));
-    if (const json* j = top.member("meshes")) read_meshes(s, *j, top.pointer_to("meshes"));
+    for (const Shape shape : {Shape::Triangles, Shape::Curves, Shape::Spheres}) {
+        const char* const member = kShapeMembers[int(shape)];
+        if (const json* j = top.member(member); j && !j->is_null()) read_shapes(s, *j, shape, top.pointer_to(member));
+    }
     if (const json* j = top.member("instances")) read_instances(s, *j, top.pointer_to("instances"));
     if (const json* j = top.member("lights")) read_lights(s, *j, top.pointer_to("lights"));
     if (const json* j = top.member("world")) read_world(s, *j, top.pointer_to("world"));
-    s.unsupported(top, "curves", "hair curves are not rendered yet");
-    s.unsupported(top, "points", "point clouds are not rendered yet");
     s.unsupported(top, "volumes", "volumes are not rendered yet");
     if (const json* j = top.member("report")) read_report(s, *j, top.pointer_to("report"));
     top.finish();

@@ -22,27 +22,13 @@ std::vector<T> pack(const std::vector<Number>& numbers) {
     return out;
 }
 
-size_t domain_count(const Mesh& m, Domain domain) {
-    switch (domain) {
-        case Domain::Point: return m.positions.size();
-        case Domain::Corner: return m.triangles.size() * 3;
-        case Domain::Face: return m.triangles.size();
-        case Domain::Mesh: return 1;
-    }
-    return 0;
-}
-
-class MeshReading {
+class MeshReading : public ShapeReading {
   public:
-    MeshReading(SceneReading& s, JsonReader& r, Mesh& m) : s_(s), r_(r), m_(m) {}
+    using ShapeReading::ShapeReading;
 
     void topology() {
-        std::vector<float> positions;
         std::vector<uint32_t> indices;
-        if (const json* j = r_.required("positions", "the points, three numbers each")) {
-            s_.arrays.floats(*j, r_.pointer_to("positions"), 3, SIZE_MAX, positions);
-        }
-        m_.positions = pack<Vec3f>(positions);
+        positions();
         if (const json* j = r_.required("triangles", "three indices of points for each triangle")) {
             s_.arrays.indices(*j, r_.pointer_to("triangles"), 3, SIZE_MAX, m_.positions.size(), indices);
         }
@@ -50,9 +36,9 @@ class MeshReading {
     }
 
     void shading() {
-        m_.vertex_normals = vectors("normals", m_.positions.size());
-        m_.corner_normals = vectors("corner_normals", corners());
-        m_.tangents = vectors("tangents", corners());
+        m_.vertex_normals = vectors(r_, "normals", m_.positions.size());
+        m_.corner_normals = vectors(r_, "corner_normals", corners());
+        m_.tangents = vectors(r_, "tangents", corners());
         if (const json* j = r_.member("tangent_signs")) s_.arrays.floats(*j, r_.pointer_to("tangent_signs"), 1, corners(), m_.tangent_signs);
         if (m_.tangents.empty() != m_.tangent_signs.empty()) {
             add_error(s_.d, r_.pointer(), "missing-member", m_.tangents.empty() ? "only tangent_signs" : "only tangents", "both or neither");
@@ -68,39 +54,8 @@ class MeshReading {
         }
     }
 
-    void attributes(const json& j, const std::string& pointer) {
-        JsonReader all = s_.object(j, pointer);
-        if (!all.ok()) return;
-        for (const auto& [name, value] : j.items()) {
-            JsonReader a = s_.object(value, pointer + "/" + pointer_token(name));
-            if (!a.ok()) continue;
-            Attribute out;
-            out.name = name;
-            int domain = 0;
-            a.choice("domain", kDomainNames, domain);
-            out.domain = Domain(domain);
-            a.integer("channels", out.channels, 1, 4);
-            if (const json* values = a.required("values", "the attribute's numbers")) {
-                s_.arrays.floats(*values, a.pointer_to("values"), out.channels, domain_count(m_, out.domain), out.values);
-            }
-            a.finish();
-            m_.attributes.push_back(std::move(out));
-        }
-    }
-
-    void bounds(const json& j, const std::string& pointer) {
-        std::vector<float> v;
-        if (s_.arrays.floats(j, pointer, 3, 2, v)) m_.generated_bounds = {Vec3f(v[0], v[1], v[2]), Vec3f(v[3], v[4], v[5])};
-    }
-
   private:
     size_t corners() const { return m_.triangles.size() * 3; }
-
-    std::vector<Vec3f> vectors(const char* key, size_t count) {
-        std::vector<float> v;
-        if (const json* j = r_.member(key)) s_.arrays.floats(*j, r_.pointer_to(key), 3, count, v);
-        return pack<Vec3f>(v);
-    }
 
     void smooth() {
         const json* j = r_.member("smooth");
@@ -112,10 +67,6 @@ class MeshReading {
         std::vector<uint32_t> flags;
         if (s_.arrays.indices(*j, r_.pointer_to("smooth"), 1, m_.triangles.size(), 2, flags)) m_.smooth.assign(flags.begin(), flags.end());
     }
-
-    SceneReading& s_;
-    JsonReader& r_;
-    Mesh& m_;
 };
 
 }  // namespace
@@ -130,9 +81,7 @@ std::shared_ptr<const Mesh> read_mesh(SceneReading& s, const std::string& name, 
     reading.topology();
     if (s.d.errors.size() == faults) {   // counts of everything else follow from these
         reading.shading();
-        if (const json* a = r.member("attributes")) reading.attributes(*a, r.pointer_to("attributes"));
-        if (const json* b = r.member("generated_bounds")) reading.bounds(*b, r.pointer_to("generated_bounds"));
-        s.unsupported(r, "motion", "deformation motion is not rendered yet");
+        reading.extras();
         r.finish();
     }
     if (s.d.errors.size() != faults) return nullptr;

@@ -83,23 +83,63 @@ std::vector<uint32_t> read_material_names(SceneReading& s, JsonReader& r) {
     return out;
 }
 
+/// "mesh", "curves" or "points".
+void read_shape_name(SceneReading& s, JsonReader& r, uint32_t& mesh, uint32_t& slots) {
+    const char* key = nullptr;
+    int shape = 0;
+    for (int k = 0; k < 3; ++k) {
+        if (!r.member(kInstanceMembers[k])) continue;
+        if (key) add_error(s.d, r.pointer(), "wrong-value", std::string("both \"") + key + "\" and \"" + kInstanceMembers[k] + "\"", "one of them");
+        else key = kInstanceMembers[k], shape = k;
+    }
+    if (!key) {
+        r.required("mesh", "the name of a mesh (or \"curves\", \"points\")");
+        return;
+    }
+    std::string name;
+    const size_t faults = s.d.errors.size();
+    r.text(key, name);
+    const auto& index = s.shape_index[shape];
+    if (const auto i = index.find(name); i != index.end()) {
+        mesh = i->second;
+        slots = s.mesh_slots[i->second];
+    } else if (s.d.errors.size() == faults) {
+        std::vector<std::string> known;
+        for (const auto& [n, at] : index) known.push_back(n);
+        add_error(s.d, r.pointer_to(key), "unknown-mesh", name, std::string("a name in \"") + kShapeMembers[shape] + "\"", nearest_name(name, known));
+    }
+}
+
+/// Places at equally spaced times from the shutter's opening to its closing, for each of `count` things.
+std::vector<float> read_motion(SceneReading& s, JsonReader& r, size_t count, size_t& steps) {
+    std::vector<float> numbers;
+    steps = 0;
+    const json* j = r.member("motion");
+    if (!j || j->is_null() || (j->is_array() && j->empty())) return numbers;
+    if (!s.arrays.floats(*j, r.pointer_to("motion"), 12, SIZE_MAX, numbers)) return {};
+    const size_t places = numbers.size() / 12;
+    steps = count ? places / count : 0;
+    if (count == 0 || places % count != 0 || steps < 2 || steps > size_t(kMostMotionSteps)) {
+        add_error(s.d, r.pointer_to("motion"), "wrong-length", std::to_string(places) + " transforms",
+                  "from 2 to " + std::to_string(kMostMotionSteps) + " for each of " + std::to_string(count));
+        return {};
+    }
+    return numbers;
+}
+std::vector<Transform> motion_of(const std::vector<float>& numbers, size_t first, size_t steps) {
+    std::vector<Transform> out(numbers.empty() ? 0 : steps);
+    for (size_t k = 0; k < out.size(); ++k) std::copy_n(numbers.begin() + std::ptrdiff_t((first * steps + k) * 12), 12, out[k].m.begin());
+    return out;
+}
+
 void read_instance(SceneReading& s, const std::string& name, const json& j, const std::string& pointer) {
     const size_t faults = s.d.errors.size();
     JsonReader r = s.object(j, pointer);
     if (!r.ok()) return;
     Instance base;
     base.name = name;
-    std::string mesh;
     uint32_t slots = 1;
-    if (r.required("mesh", "the name of a mesh")) r.text("mesh", mesh);
-    if (const auto i = s.mesh_index.find(mesh); i != s.mesh_index.end()) {
-        base.mesh = i->second;
-        slots = s.mesh_slots[i->second];
-    } else if (s.d.errors.size() == faults) {
-        std::vector<std::string> known;
-        for (const auto& [n, index] : s.mesh_index) known.push_back(n);
-        add_error(s.d, r.pointer_to("mesh"), "unknown-mesh", mesh, "a name in \"meshes\"", nearest_name(mesh, known));
-    }
+    read_shape_name(s, r, base.mesh, slots);
     base.materials = read_material_names(s, r);
     if (s.d.errors.size() == faults && base.materials.size() < slots) {
         add_error(s.d, r.pointer_to("materials"), "wrong-length", std::to_string(base.materials.size()) + " materials",
@@ -110,8 +150,9 @@ void read_instance(SceneReading& s, const std::string& name, const json& j, cons
     r.number("random", base.random, 0, 1);
     r.integer("pass_index", base.pass_index, 0, 1 << 24);
     r.vector("color", base.color);
+    r.boolean("holdout", base.holdout);
+    s.unsupported(r, "shadow_catcher", "shadow catchers are not rendered yet");
     r.integer("light_group", base.light_group, 0, kMaxLightGroup);
-    s.unsupported(r, "motion", "transform motion is not rendered yet");
     std::vector<float> transforms, randoms;
     const json *many = r.member("transforms"), *random_values = r.member("randoms");
     size_t count = 1;
@@ -120,6 +161,8 @@ void read_instance(SceneReading& s, const std::string& name, const json& j, cons
         count = transforms.size() / 12;
     }
     if (random_values) s.arrays.floats(*random_values, r.pointer_to("randoms"), 1, count, randoms);
+    size_t steps = 0;
+    const std::vector<float> motion = read_motion(s, r, count, steps);
     r.finish();
     if (s.scene.instances.size() + count > s.options.limits.instances) {
         add_error(s.d, pointer, "limit-exceeded", std::to_string(s.scene.instances.size() + count) + " instances", "at most " + std::to_string(s.options.limits.instances));
@@ -129,6 +172,7 @@ void read_instance(SceneReading& s, const std::string& name, const json& j, cons
         Instance& out = s.scene.instances.emplace_back(base);
         if (many) std::copy_n(transforms.begin() + std::ptrdiff_t(i * 12), 12, out.object_to_world.m.begin());
         if (random_values) out.random = randoms[i];
+        out.motion = motion_of(motion, i, steps);
     }
 }
 
@@ -188,9 +232,30 @@ Camera read_camera(SceneReading& s, const std::string& name, const json& j, cons
     c.shift_y = shift[1];
     r.number("aperture_radius", c.aperture_radius, 0);
     r.number("focus_distance", c.focus_distance, 1e-6);
+    r.integer("aperture_blades", c.aperture_blades, 0, 1000);
+    r.degrees("aperture_rotation_degrees", c.aperture_rotation, -3600, 3600);
+    r.number("aperture_ratio", c.aperture_ratio, 1e-3, 1e3);
+    int panorama = 0;
+    r.choice("panorama", kPanoramaNames, panorama);
+    c.panorama = Camera::Panorama(panorama);
+    r.degrees("longitude_min_degrees", c.longitude_min, -360, 360);
+    r.degrees("longitude_max_degrees", c.longitude_max, -360, 360);
+    r.degrees("latitude_min_degrees", c.latitude_min, -90, 90);
+    r.degrees("latitude_max_degrees", c.latitude_max, -90, 90);
+    if (!(c.longitude_max > c.longitude_min) || !(c.latitude_max > c.latitude_min))
+        add_error(s.d, r.pointer(), "wrong-value", "an empty range of longitudes or latitudes", "maxima above minima");
+    r.degrees("fisheye_fov_degrees", c.fisheye_fov, 0.1, 1800);
+    r.number("fisheye_lens_mm", c.fisheye_lens, 1e-3, 1e5);
+    float sensor[2] = {c.sensor_width, c.sensor_height};
+    r.numbers("sensor_mm", sensor);
+    for (const float x : sensor)
+        if (!(x > 0)) add_error(s.d, r.pointer_to("sensor_mm"), "out-of-range", json(x).dump(), "more than 0");
+    c.sensor_width = sensor[0];
+    c.sensor_height = sensor[1];
     if (!(c.far_clip > c.near_clip)) add_error(s.d, r.pointer_to("far_clip"), "out-of-range", json(c.far_clip).dump(), "more than near_clip");
-    s.unsupported(r, "motion", "camera motion is not rendered yet");
-    s.unsupported(r, "shutter", "motion blur is not rendered yet");
+    size_t steps = 0;
+    const std::vector<float> motion = read_motion(s, r, 1, steps);
+    c.motion = motion_of(motion, 0, steps);
     r.finish();
     return c;
 }
@@ -275,6 +340,8 @@ void read_settings(SceneReading& s, const json& j, const std::string& pointer) {
     r.number("clamp_direct", x.clamp_direct, 0);
     r.number("clamp_indirect", x.clamp_indirect, 0);
     r.boolean("film_transparent", x.film_transparent);
+    r.number("exposure", x.exposure, 0, 1e6);
+    r.number("filter_glossy", x.filter_glossy, 0, 1e6);
     int filter = int(x.filter);
     r.choice("filter", kFilterNames, filter);
     x.filter = RenderSettings::Filter(filter);
@@ -283,6 +350,12 @@ void read_settings(SceneReading& s, const json& j, const std::string& pointer) {
     r.boolean("texture_filter", x.texture_filter);
     r.boolean("noise_filter", x.noise_filter);
     r.boolean("caustics_refractive", x.caustics_refractive);
+    if (const json* curve = r.member("shutter_curve")) {
+        s.arrays.floats(*curve, r.pointer_to("shutter_curve"), 1, SIZE_MAX, x.shutter_curve);
+        for (const float v : x.shutter_curve)
+            if (!(v >= 0)) add_error(s.d, r.pointer_to("shutter_curve"), "out-of-range", json(v).dump(), "0 or more");
+        if (x.shutter_curve.size() == 1) add_error(s.d, r.pointer_to("shutter_curve"), "wrong-length", "1 number", "none, or 2 and more");
+    }
     r.finish();
 }
 

@@ -18,6 +18,7 @@ namespace {
 json number(float x) { return std::strtod(number_text(x).c_str(), nullptr); }
 /// The float nearest to pi is a little more than pi.
 json degrees(float radians) { return std::min(double(radians) * 180 / std::numbers::pi, 180.0); }
+double angle(float radians) { return double(radians) * 180 / std::numbers::pi; }
 json vector(Vec3f v) { return json::array({number(v.x), number(v.y), number(v.z)}); }
 json transform(const Transform& t) {
     json j = json::array();
@@ -60,12 +61,13 @@ class SceneWriter {
             material_names_.push_back(names.take(m.name, "material"));
             json graph = m.graph ? m.graph->document() : json{{"version", 1}, {"nodes", json::object()}, {"outputs", json::object()}};
             if (m.pass_index != 0) graph["pass_index"] = m.pass_index;
+            if (m.displacement != Displacement::Bump) graph["displacement"] = kDisplacementNames[int(m.displacement)];
             doc["materials"][material_names_.back()] = std::move(graph);
         }
-        Names meshes;
+        Names shapes[3];
         for (const auto& m : scene_.meshes) {
-            mesh_names_.push_back(meshes.take(m->name, "mesh"));
-            doc["meshes"][mesh_names_.back()] = mesh(*m);
+            mesh_names_.push_back(shapes[int(m->shape)].take(m->name, kInstanceMembers[int(m->shape)]));
+            doc[kShapeMembers[int(m->shape)]][mesh_names_.back()] = m->shape == Shape::Triangles ? mesh(*m) : threads(*m);
         }
         write_instances(doc["instances"] = json::object());
         Names lights;
@@ -116,19 +118,49 @@ class SceneWriter {
         if (!m.tangents.empty()) j["tangents"] = floats(m.tangents), j["tangent_signs"] = floats(m.tangent_signs);
         if (!m.smooth.empty()) j["smooth"] = array(m.smooth.data(), m.smooth.size(), 1, "u8");
         if (!m.face_material.empty()) j["face_material"] = array(m.face_material.data(), m.face_material.size(), 1, "u32");
+        extras(m, j);
+        return j;
+    }
+
+    /// Curves or points.
+    json threads(const Mesh& m) {
+        json j{{"positions", floats(m.positions)}, {"radii", floats(m.radii)}};
+        if (m.shape == Shape::Curves) {
+            std::vector<uint32_t> counts;
+            for (size_t c = 0; c + 1 < m.curve_first.size(); ++c) counts.push_back(m.curve_first[c + 1] - m.curve_first[c]);
+            j["counts"] = array(counts.data(), counts.size(), 1, "u32");
+            j["form"] = kCurveFormNames[int(m.curve_form)];
+            j["subdivisions"] = m.curve_subdivisions;
+            if (!m.curve_normals.empty()) j["normals"] = floats(m.curve_normals);
+        }
+        extras(m, j);
+        return j;
+    }
+
+    void extras(const Mesh& m, json& j) {
+        if (m.moves()) {
+            json& motion = j["motion"];
+            motion = {{"steps", m.motion_steps}, {"positions", floats(m.motion_positions)}};
+            if (!m.motion_normals.empty()) motion["normals"] = floats(m.motion_normals);
+            if (!m.motion_radii.empty()) motion["radii"] = floats(m.motion_radii);
+        }
         j["generated_bounds"] = {vector(m.generated_bounds[0]), vector(m.generated_bounds[1])};
         for (const Attribute& a : m.attributes) {
             j["attributes"][a.name] = {{"domain", kDomainNames[int(a.domain)]}, {"channels", a.channels},
                                        {"values", array(a.values.data(), a.values.size(), a.channels, "f32")}};
         }
-        return j;
+    }
+    json motion(const std::vector<Transform>& keys) {
+        std::vector<float> numbers;
+        for (const Transform& t : keys) numbers.insert(numbers.end(), t.m.begin(), t.m.end());
+        return array(numbers.data(), numbers.size(), 12, "f32");
     }
 
     json instance(const Instance& i) const {
         json materials = json::array();
         for (uint32_t m : i.materials) materials.push_back(material_names_.at(m));
-        return {{"mesh", mesh_names_.at(i.mesh)}, {"materials", materials}, {"visibility", visibility(i.visibility)}, {"pass_index", i.pass_index},
-                {"color", vector(i.color)}, {"light_group", i.light_group}};
+        return {{kInstanceMembers[int(scene_.meshes.at(i.mesh)->shape)], mesh_names_.at(i.mesh)}, {"materials", materials}, {"visibility", visibility(i.visibility)}, {"pass_index", i.pass_index},
+                {"color", vector(i.color)}, {"holdout", i.holdout}, {"light_group", i.light_group}};
     }
 
     /// Runs of instances that differ in place and random number only are written as one member.
@@ -137,7 +169,11 @@ class SceneWriter {
         const std::vector<Instance>& all = scene_.instances;
         for (size_t first = 0, last; first < all.size(); first = last) {
             json j = instance(all[first]);
-            for (last = first + 1; last < all.size() && all[last].name == all[first].name && instance(all[last]) == j;) ++last;
+            const size_t steps = all[first].motion.size();
+            for (last = first + 1; last < all.size() && all[last].name == all[first].name && all[last].motion.size() == steps && instance(all[last]) == j;) ++last;
+            std::vector<Transform> moves;
+            for (size_t i = first; i < last; ++i) moves.insert(moves.end(), all[i].motion.begin(), all[i].motion.end());
+            if (!moves.empty()) j["motion"] = motion(moves);
             if (last == first + 1) {
                 j["transform"] = transform(all[first].object_to_world);
                 j["random"] = number(all[first].random);
@@ -164,21 +200,36 @@ class SceneWriter {
         return j;
     }
 
-    json camera(const Camera& c) const {
-        return {{"type", kCameraNames[int(c.kind)]}, {"transform", transform(c.to_world)}, {"fov_degrees", degrees(c.fov_x)},
+    json camera(const Camera& c) {
+        json j{{"type", kCameraNames[int(c.kind)]}, {"transform", transform(c.to_world)}, {"fov_degrees", degrees(c.fov_x)},
                 {"ortho_scale", number(c.ortho_scale)}, {"near_clip", number(c.near_clip)}, {"far_clip", number(c.far_clip)},
                 {"shift", {number(c.shift_x), number(c.shift_y)}}, {"aperture_radius", number(c.aperture_radius)},
-                {"focus_distance", number(c.focus_distance)}};
+                {"focus_distance", number(c.focus_distance)}, {"aperture_blades", c.aperture_blades},
+                {"aperture_rotation_degrees", angle(c.aperture_rotation)}, {"aperture_ratio", number(c.aperture_ratio)}};
+        if (c.kind == Camera::Kind::Panoramic) {
+            j["panorama"] = kPanoramaNames[int(c.panorama)];
+            j["longitude_min_degrees"] = angle(c.longitude_min);
+            j["longitude_max_degrees"] = angle(c.longitude_max);
+            j["latitude_min_degrees"] = std::max(angle(c.latitude_min), -90.0);
+            j["latitude_max_degrees"] = std::min(angle(c.latitude_max), 90.0);
+            j["fisheye_fov_degrees"] = angle(c.fisheye_fov);
+            j["fisheye_lens_mm"] = number(c.fisheye_lens);
+            j["sensor_mm"] = {number(c.sensor_width), number(c.sensor_height)};
+        }
+        if (!c.motion.empty()) j["motion"] = motion(c.motion);
+        return j;
     }
 
-    json settings() const {
+    json settings() {
         const RenderSettings& s = scene_.settings;
-        return {{"resolution", {s.width, s.height}}, {"samples", s.samples}, {"seed", s.seed}, {"max_bounces", s.max_bounces},
+        json j{{"resolution", {s.width, s.height}}, {"samples", s.samples}, {"seed", s.seed}, {"max_bounces", s.max_bounces},
                 {"diffuse_bounces", s.diffuse_bounces}, {"glossy_bounces", s.glossy_bounces}, {"transmission_bounces", s.transmission_bounces},
                 {"transparent_bounces", s.transparent_bounces}, {"clamp_direct", number(s.clamp_direct)}, {"clamp_indirect", number(s.clamp_indirect)},
-                {"film_transparent", s.film_transparent}, {"filter", kFilterNames[int(s.filter)]}, {"filter_width", number(s.filter_width)},
+                {"film_transparent", s.film_transparent}, {"exposure", number(s.exposure)}, {"filter_glossy", number(s.filter_glossy)}, {"filter", kFilterNames[int(s.filter)]}, {"filter_width", number(s.filter_width)},
                 {"caustics_reflective", s.caustics_reflective}, {"caustics_refractive", s.caustics_refractive},
                 {"texture_filter", s.texture_filter}, {"noise_filter", s.noise_filter}};
+        if (!s.shutter_curve.empty()) j["shutter_curve"] = floats(s.shutter_curve);
+        return j;
     }
 
     const Scene& scene_;

@@ -130,9 +130,9 @@ EmitterBounds LightTable::bounds_of(const MeshEmitter& e, double power) const {
     return b;
 }
 
-bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, LightSample& s) const {
+bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, float time, LightSample& s) const {
     const uint32_t triangle = e.triangles[pick_from_table(e.cdf, u_pick)];
-    const auto corners = surfaces_->world_triangle(e.instance, triangle);
+    const auto corners = surfaces_->world_triangle(e.instance, triangle, time);
     const SphericalTriangle spherical(corners, p);
     float b1 = u1, b2 = u2;
     if (spherical.is_usable()) {
@@ -150,7 +150,7 @@ bool LightTable::sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float 
     s.distance = std::sqrt(d2);
     if (!(s.distance > 0) || !std::isfinite(s.distance)) return false;
     s.wi = to / s.distance;
-    s.point = surfaces_->point(e.instance, triangle, b1, b2, s.wi, s.distance);
+    s.point = surfaces_->point(e.instance, triangle, b1, b2, s.wi, s.distance, time);
     s.pdf = mesh_pdf(p, s.point);
     if (!(s.pdf > 0) || !std::isfinite(s.pdf)) return false;
     s.radiance = e.material->emission_constant ? e.material->emission_value : Vec3f(1.f);
@@ -166,8 +166,14 @@ float LightTable::mesh_pdf(Vec3f origin, const ShadingPoint& hit) const {
     if (densities.empty()) return 0;
     const TriangleDensity& t = densities[hit.triangle];
     if (t.emitter == kNotSampled) return 0;
-    const float density = t.density * selector_.probability(origin, t.emitter);
-    const auto corners = surfaces_->world_triangle(hit.instance, hit.triangle);
+    float density = t.density * selector_.probability(origin, t.emitter);
+    const auto corners = surfaces_->world_triangle(hit.instance, hit.triangle, hit.time);
+    if (surfaces_->anything_moves()) {  // chosen by its area at the middle of the shutter, of whatever area it has now
+        const auto middle = surfaces_->world_triangle(hit.instance, hit.triangle);
+        const float before = length(cross(middle[1] - middle[0], middle[2] - middle[0])), now = length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+        if (!(now > 0)) return 0;
+        density *= before / now;
+    }
     if (const SphericalTriangle spherical(corners, origin); spherical.is_usable()) {
         const float area = 0.5f * length(cross(corners[1] - corners[0], corners[2] - corners[0]));
         return density * area / spherical.solid_angle();
@@ -195,7 +201,7 @@ std::span<const uint32_t> LightTable::lamps_along(const Ray& ray, std::vector<ui
     return found;
 }
 
-bool LightTable::sample(Vec3f p, float u_pick, float u1, float u2, LightSample& s) const {
+bool LightTable::sample(Vec3f p, float u_pick, float u1, float u2, float time, LightSample& s) const {
     float probability = 0;
     const int k = emitters_.empty() ? -1 : selector_.pick(p, u_pick, probability);
     if (k < 0) return false;
@@ -204,7 +210,7 @@ bool LightTable::sample(Vec3f p, float u_pick, float u1, float u2, LightSample& 
     s.cast_shadow = true;
     s.is_delta = false;
     s.point = ShadingPoint{};
-    if (e.kind == Kind::Mesh) return sample_mesh(meshes_[e.index], p, u_pick, u1, u2, s);
+    if (e.kind == Kind::Mesh) return sample_mesh(meshes_[e.index], p, u_pick, u1, u2, time, s);
     if (e.kind == Kind::World) {
         s.wi = world_->map.sample(u1, u2, s.pdf);
         s.pdf *= probability;

@@ -50,7 +50,7 @@ class LightTable {
 
     bool empty() const { return emitters_.empty(); }
     /// Chooses an emitter and a direction to it from p. False: none.
-    bool sample(Vec3f p, float u_pick, float u1, float u2, LightSample& s) const;
+    bool sample(Vec3f p, float u_pick, float u1, float u2, float time, LightSample& s) const;
 
     /// Density with which sample(origin) would have chosen the direction to this point of a mesh; 0 where it emits nothing.
     float mesh_pdf(Vec3f origin, const ShadingPoint& hit) const;
@@ -84,7 +84,7 @@ class LightTable {
     void add_meshes(const CameraModel& camera, const EvalContext& context, std::span<const std::shared_ptr<const MaterialPrograms>> materials);
     void add_mesh_emitter(MeshEmitter e, const std::vector<float>& areas, const std::vector<float>& brightness);
     EmitterBounds bounds_of(const MeshEmitter& e, double power) const;
-    bool sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, LightSample& s) const;
+    bool sample_mesh(const MeshEmitter& e, Vec3f p, float u_pick, float u1, float u2, float time, LightSample& s) const;
 
     const Surfaces* surfaces_;
     std::vector<Lamp> lamps_;

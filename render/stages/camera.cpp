@@ -30,8 +30,9 @@ void Worker::start_paths(const Tile& tile, uint64_t first, uint32_t count) {
                 path.key = sample_key(plan_->seed, px, py, first + i);
                 path.slot = slot;
                 const Sample4 u = sample_set(path.key, kSetCamera);
+                if (plan_->moves) path.history.time = plan_->shutter.time(sample_set(path.key, kSetTime).u[0]);
                 const CameraRay ray = plan_->camera.ray(static_cast<float>(px) + 0.5f + plan_->filter.offset(u.u[0]),
-                                                        static_cast<float>(py) + 0.5f + plan_->filter.offset(u.u[1]), u.u[2], u.u[3]);
+                                                        static_cast<float>(py) + 0.5f + plan_->filter.offset(u.u[1]), u.u[2], u.u[3], path.history.time);
                 path.history.origin = ray.origin;
                 path.history.direction = ray.direction;
                 path.t_max = ray.length;
@@ -39,9 +40,11 @@ void Worker::start_paths(const Tile& tile, uint64_t first, uint32_t count) {
                 path.spread = ray.spread;
                 plan_->aovs->clear(row(slot));
                 row(slot)[plan_->aovs->alpha] = 1;
+                if (ray.length < 0) continue;  // outside a fisheye's circle
                 active_.push_back(slot);
             }
     counters_.camera_rays += n;
+    if (plan_->moves) counters_.timed_paths += n;
 }
 
 void Worker::resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf) {
@@ -58,8 +61,22 @@ void Worker::resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf) 
                 a.clear(r);
                 r[a.alpha] = std::isfinite(alpha) ? alpha : 1.f;
             }
+            if (plan_->settings.exposure != 1) expose(r);
             leaf[pixel].add(r);
         }
+}
+
+/// Light is scaled on the film, after clamping and whatever else happens to samples; data are not.
+void Worker::expose(float* r) const {
+    const AovPlan& a = *plan_->aovs;
+    const auto scale = [&](int channel) {
+        if (channel < 0) return;
+        for (int c = 0; c < 3; ++c) r[channel + c] *= plan_->settings.exposure;
+    };
+    scale(a.rgb);
+    for (const int g : a.group) scale(g);
+    for (const int l : a.layer) scale(l);
+    scale(a.refraction);
 }
 
 bool Worker::trace(const Tile& tile, uint64_t first, uint32_t count, std::span<LeafSum> leaf) {

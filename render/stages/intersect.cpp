@@ -22,7 +22,7 @@ void Worker::intersect() {
     for (const uint32_t index : active_) {
         Path& path = paths_[index];
         if (path.vertex > 0) ++counters_.bounce_rays;
-        const Ray ray{path.history.origin, path.history.direction, path.t_min, path.t_max};
+        const Ray ray{path.history.origin, path.history.direction, path.t_min, path.t_max, path.history.time, path.hit.instance, path.hit.triangle};
         const bool hit = accel.intersect(ray, ray_visibility(path.history), path.hit);
         if (lamps) meet_lamps(index, hit ? path.hit.t : std::numeric_limits<float>::infinity());
         (hit ? hits_ : missed_).push_back(index);

@@ -34,7 +34,7 @@ bool lobe_sees(const LobeSpec& spec, uint32_t visibility) {
 void Worker::sample_light(const Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf) {
     const Sample4 u = sample_set(path.key, set_light(path.vertex));
     LightSample light;
-    if (!plan_->scene.lights->sample(point.p, u.u[2], u.u[0], u.u[1], light)) return;
+    if (!plan_->scene.lights->sample(point.p, u.u[2], u.u[0], u.u[1], point.time, light)) return;
     constexpr uint32_t kLit = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
     const bool partly_hidden = (light.visibility & kLit) != kLit;
     const bool scattered = path.flags & kScattered, layers = plan_->aovs->any_layer && !scattered;
@@ -66,6 +66,9 @@ void Worker::sample_light(const Path& path, uint32_t index, const ShadingPoint& 
     s.direct = path.history.depth == 0;
     s.casts = light.cast_shadow;
     s.ray.origin = leave_surface(point, light.wi);
+    s.ray.time = point.time;
+    s.ray.self_instance = point.instance;
+    s.ray.self_primitive = point.triangle;
     if (std::isfinite(light.distance)) {
         // Ends clear of the emitter as it begins clear of the receiver.
         Vec3f target = light.point.p;

@@ -85,7 +85,7 @@ void Worker::shade_shadow_batch(const SceneProgram* program, std::span<const uin
     for (const uint32_t i : rays) {
         const ShadowRay& s = shadows_[i];
         const Hit& h = shadow_hits_[i];
-        points_.push_back(surfaces.point(h.instance, h.triangle, h.u, h.v, s.ray.direction, h.t));
+        points_.push_back(surfaces.point(h.instance, h.triangle, h.u, h.v, s.ray.direction, h.t, s.ray.time));
         RayHistory history = paths_[s.path].history;
         history.origin = s.ray.origin;
         history.direction = s.ray.direction;
@@ -112,6 +112,8 @@ void Worker::shade_shadow_batch(const SceneProgram* program, std::span<const uin
         s.value *= transmittance;
         if (is_black(s.value)) continue;
         s.ray.t_min = std::nextafter(shadow_hits_[rays[k]].t, std::numeric_limits<float>::infinity());
+        s.ray.self_instance = shadow_hits_[rays[k]].instance;
+        s.ray.self_primitive = shadow_hits_[rays[k]].triangle;
         if (s.ray.t_min < s.ray.t_max) alive_.push_back(rays[k]);
     }
 }

@@ -27,7 +27,8 @@ void Worker::scatter_subsurface() {
         if (!(profile ? probe_profile : walk_inside)(surfaces, w.entry, w.lobe, path.throughput, numbers, exit, counters_.subsurface_rays)) continue;
         path.throughput = exit.throughput;
         const Hit& h = exit.hit;
-        ShadingPoint point = surfaces.point(h.instance, h.triangle, h.u, h.v, exit.direction, w.entry.distance);
+        ShadingPoint point = surfaces.point(h.instance, h.triangle, h.u, h.v, exit.direction, w.entry.distance, w.entry.time);
+        path.hit = h;
         point.footprint = w.entry.footprint;
         if (w.lobe.spec->own_normal) bumped_.push_back(static_cast<uint32_t>(leaving_.size()));
         leaving_.push_back({w.path, point, point.n});

@@ -6,6 +6,25 @@
 #include "render/worker.h"
 
 namespace alder {
+namespace {
+
+/// Widths no smaller than `width`, as Cycles widens each kind.
+void blur_lobe(Lobe<float>& lobe, float width) {
+    const LobeSpec& spec = *lobe.spec;
+    const auto widen = [&](int p) { lobe.p[p] = std::max(lobe.p[p], width); };
+    if (spec.is_microfacet()) {
+        const MicrofacetLayout layout(spec);
+        widen(layout.alpha_x);
+        widen(layout.alpha_y);
+    } else if (spec.kind == LobeKind::HairChiang) {
+        for (const int p : {3, 4, 5}) widen(p);
+    } else if (spec.kind == LobeKind::HairHuang) {
+        widen(3);
+    }
+}
+
+}  // namespace
+
 void Worker::shade_surfaces() {
     for (size_t key = 0; key + 1 < key_count_.size(); ++key) {
         const size_t first = key_count_[key], last = key_count_[key + 1];
@@ -30,7 +49,7 @@ void Worker::shade_batch(const SceneProgram& program, const RenderPlan::SurfaceP
     for (const uint32_t index : paths) {
         const Path& path = paths_[index];
         const Hit& h = path.hit;
-        points_.push_back(surfaces.point(h.instance, h.triangle, h.u, h.v, path.history.direction, h.t));
+        points_.push_back(surfaces.point(h.instance, h.triangle, h.u, h.v, path.history.direction, h.t, path.history.time));
         points_.back().footprint = path.footprint + path.spread * h.t;
         histories_.push_back(&path.history);
     }
@@ -61,6 +80,9 @@ void Worker::gather_lobes(const Program& program) {
 std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
     size_t count = 0;
     const RenderSettings& s = plan_->settings;
+    // Cycles' Filter Glossy: behind scatterings in unlikely directions glossy lobes are widened, the more the less likely.
+    const float likely = s.filter_glossy > 0 ? path.min_pdf / s.filter_glossy : 1.f;
+    const float blur = likely < 1 ? 0.5f * std::sqrt(1 - likely) : 0.f;
     for (size_t k = 0; k < current_lobes_->size(); ++k) {
         const LobeSpec& spec = (*current_lobes_)[k].spec;
         const Channel<float>* const c = lobe_channels_.data() + lobe_first_[k];
@@ -74,6 +96,7 @@ std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
             if (both ? !s.caustics_reflective && !s.caustics_refractive : refracts ? !s.caustics_refractive : !s.caustics_reflective) continue;
         }
         lobes_[count] = load_lobe(spec, c, i);
+        if (blur > 0) blur_lobe(lobes_[count], blur);
         // Subsurface light is worth its noise where the eye sees it: after a diffuse scattering Cycles takes Lambert instead.
         if (spec.cycles_profile && path.flags & kDiffuseBefore) lobes_[count].spec = &subsurface_lambert();
         ++count;
@@ -87,6 +110,16 @@ bool Worker::shade_point(Path& path, uint32_t index, const ShadingPoint& point, 
     const Bsdf<float> bsdf(lobes, {point.wo, point.ng, point.n});
     const AovPlan& a = *plan_->aovs;
 
+    if (plan_->scene.surfaces->instances()[point.instance].holdout && !(path.flags & kScattered)) {
+        // All but what is transparent becomes a hole.
+        const Vec3f open = bsdf.transparency();
+        row(path.slot)[a.alpha] -= average((Vec3f(1.f) - open) * path.throughput);
+        path.throughput *= open;
+        if (is_black(open) || ++path.history.transparent > plan_->settings.transparent_bounces) return false;
+        ++path.vertex;
+        path.t_min = std::nextafter(point.distance, std::numeric_limits<float>::infinity());
+        return path.t_min < path.t_max;
+    }
     if (program.facts().has_emission) emit(path, point, bsdf);
     if (!(path.flags & kScattered))
         if (const Vec3f holdout = bsdf.holdout(); !is_black(holdout)) row(path.slot)[a.alpha] -= average(holdout * path.throughput);
@@ -124,7 +157,7 @@ void Worker::record_data(const Path& path, const ShadingPoint& point, const Bsdf
     put(a.ng, point.ng);
     if (a.uv >= 0) {
         const Mesh& mesh = plan_->scene.surfaces->mesh_of(point.instance);
-        if (mesh.uv.size() == 3 * mesh.triangles.size()) {
+        if (!mesh.uv.empty() && mesh.uv.size() == 3 * mesh.triangles.size()) {
             const auto* const uv = mesh.uv.data() + size_t{3} * point.triangle;
             for (int c = 0; c < 2; ++c) r[a.uv + c] = uv[0][c] * (1 - point.u - point.v) + uv[1][c] * point.u + uv[2][c] * point.v;
         }
@@ -217,6 +250,7 @@ bool Worker::scatter(Path& path, uint32_t index, const ShadingPoint& point, cons
     if (last) path.flags |= kLastVertex;
     if (!s.is_diffuse) h.previous_alpha = s.roughness;  // alSurface's message: diffuse rays pass on what they found
     path.scatter_pdf = s.is_delta ? 0 : s.pdf;
+    if (!s.is_delta) path.min_pdf = std::min(path.min_pdf, s.pdf);
 
     // Roulette by throughput, from the third scattering on; the square root kills later than the throughput itself would,
     // which costs rays but not variance in dark corners.

@@ -118,6 +118,7 @@ bool probe_profile(const Surfaces& surfaces, const ShadingPoint& entry, const Lo
     const float reach = profiles.reach(channel), height = safe_sqrt(reach * reach - radius * radius);
     const float phi = 2 * kPi * u_angle;
     Ray ray;
+    ray.time = entry.time;
     ray.origin = entry.p + along * height + across1 * (radius * std::cos(phi)) + across2 * (radius * std::sin(phi));
     ray.direction = -along;
     ray.t_max = 2 * height;
@@ -131,7 +132,7 @@ bool probe_profile(const Surfaces& surfaces, const ShadingPoint& entry, const Lo
         ++rays;
         if (!surfaces.accel().intersect_instance(entry.instance, ray, hit)) break;
         ray.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
-        const ShadingPoint q = surfaces.point(hit.instance, hit.triangle, hit.u, hit.v, ray.direction, hit.t);
+        const ShadingPoint q = surfaces.point(hit.instance, hit.triangle, hit.u, hit.v, ray.direction, hit.t, ray.time);
         const Vec3f to = q.p - entry.p;
         const float r = length(to);
         Vec3f weight(0.f);
@@ -165,7 +166,7 @@ bool probe_profile(const Surfaces& surfaces, const ShadingPoint& entry, const Lo
     exit.hit = found[k].hit;
     exit.throughput = throughput * found[k].weight * (total / std::abs(average(found[k].weight)));
     // Seen from the side that the entry was seen from.
-    const ShadingPoint q = surfaces.point(exit.hit.instance, exit.hit.triangle, exit.hit.u, exit.hit.v, -along, exit.hit.t);
+    const ShadingPoint q = surfaces.point(exit.hit.instance, exit.hit.triangle, exit.hit.u, exit.hit.v, -along, exit.hit.t, entry.time);
     const Vec3f outward = q.backfacing == entry.backfacing ? q.ng : -q.ng;
     exit.direction = -outward;
     return is_finite(exit.throughput) && !is_black(exit.throughput);

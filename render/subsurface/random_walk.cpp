@@ -210,7 +210,7 @@ bool walk_inside(const Surfaces& surfaces, const ShadingPoint& entry, const Lobe
         if (!std::isfinite(t)) return false;
         const float longest = step == 0 ? std::max(t, 10 / std::min({m.sigma_t.x, m.sigma_t.y, m.sigma_t.z})) : t;
         ++rays;
-        bool surface = surfaces.accel().intersect_instance(entry.instance, {p, direction, step == 0 ? clear : 0.f, std::max(clear, std::min(longest, 1e30f))}, exit.hit);
+        bool surface = surfaces.accel().intersect_instance(entry.instance, {p, direction, step == 0 ? clear : 0.f, std::max(clear, std::min(longest, 1e30f)), entry.time}, exit.hit);
         if (step == 0 && surface) {
             opposite = true;
             thickness = std::max(dot(p + direction * exit.hit.t - start, -n), 0.f);

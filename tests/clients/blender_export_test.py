@@ -75,7 +75,8 @@ class Export(unittest.TestCase):
         self.assertEqual(c["shift"], [0.125, 0])
         self.assertAlmostEqual(c["aperture_radius"], 0.0045, 6)
         self.assertAlmostEqual(c["focus_distance"], 7, 5)
-        self.assertEqual(list(self.scene["cameras"]), ["camera"])
+        self.assertEqual(sorted(self.scene["cameras"]), ["camera", "dome"])
+        self.assertEqual(self.scene["cameras"]["dome"]["panorama"], "fisheye_equidistant")
 
     def test_mesh_is_the_one_of_final_renders(self):
         m = self.scene["meshes"]["box"]
@@ -106,7 +107,7 @@ class Export(unittest.TestCase):
 
     def test_instances_share_their_mesh(self):
         i = self.scene["instances"]
-        placed = [k for k, v in i.items() if v["mesh"] == "tri"]
+        placed = [k for k, v in i.items() if v.get("mesh") == "tri"]
         matrices = []
         for k in placed:
             matrices += self.array(i[k]["transforms"], 12) if "transforms" in i[k] else [tuple(i[k]["transform"])]
@@ -120,6 +121,25 @@ class Export(unittest.TestCase):
         self.assertEqual((box["pass_index"], box["color"]), (7, [0.5, 0.25, 0.125]))
         self.assertEqual(box["materials"], ["grouped", "blue"])
         self.assertTrue(0 < box["random"] < 1)
+
+    def test_hair_curves(self):
+        if "hair" not in self.scene["instances"]:
+            self.skipTest("this Blender's Python makes no hair curves")
+        self.assertEqual(self.scene["instances"]["hair"]["curves"], "hair")
+        h = self.scene["curves"]["hair"]
+        self.assertEqual(self.array(h["counts"], 1), [3, 2])
+        self.assertEqual(self.array(h["radii"], 1), [0.125, 0.25, 0.375, 0.5, 0.625])
+        self.assertEqual(self.array(h["positions"], 3)[4], (4, 2, 0))
+        self.assertIn(h["form"], ("ribbon", "round"))
+
+    def test_motion(self):
+        """Keys over half a frame around frame 1, where it is at 4: from 3 to 5."""
+        o = self.scene["instances"]["mover"]
+        self.assertEqual([round(m[3], 5) for m in self.array(o["motion"], 12)], [3, 4, 5])
+        self.assertNotIn("motion", self.scene["instances"]["box"])
+        motion = self.scene["meshes"][o["mesh"]]["motion"]
+        self.assertEqual(motion["steps"], 3)
+        self.assertEqual([round(p[0], 5) for p in self.array(motion["positions"], 3)[1::3]], [1.75, 2, 2.25])
 
     def test_lights(self):
         lights = self.scene["lights"]
@@ -143,8 +163,8 @@ class Export(unittest.TestCase):
 
     def test_what_is_left_out_is_told(self):
         told = {e["what"]: e["where"] for e in self.scene["report"]["unsupported"]}
-        self.assertEqual(told.get("camera of type PANO"), ["pano"])
-        self.assertIn("not exported: camera of type PANO (pano)", self.run_.stdout)
+        self.assertEqual(told.get("camera of type PANO (EQUIANGULAR_CUBEMAP_FACE)"), ["pano"])
+        self.assertIn("not exported: camera of type PANO (EQUIANGULAR_CUBEMAP_FACE) (pano)", self.run_.stdout)
         self.assertIn("statuses: 0 1", self.run_.stdout)
         self.assertEqual([f for f in os.listdir(self.folder.name) if "strict" in f], [], "--strict writes nothing")
 

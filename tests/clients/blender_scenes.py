@@ -122,7 +122,42 @@ def lights_and_camera():
     bpy.context.scene.camera = o
     pano = bpy.data.cameras.new("pano")
     pano.type = "PANO"
+    (pano if hasattr(pano, "panorama_type") else pano.cycles).panorama_type = "EQUIANGULAR_CUBEMAP_FACE"
     add("pano", pano)
+    dome = bpy.data.cameras.new("dome")
+    dome.type = "PANO"
+    (dome if hasattr(dome, "panorama_type") else dome.cycles).panorama_type = "FISHEYE_EQUIDISTANT"
+    add("dome", dome)
+
+
+def hair_and_motion():
+    """Two hairs, where this Blender lets Python make them, and a triangle that moves by 4 a frame and grows."""
+    if hasattr(bpy.data, "hair_curves"):
+        hair = bpy.data.hair_curves.new("hair")
+        if hasattr(hair, "add_curves"):
+            hair.add_curves([3, 2])
+            for i, p in enumerate(hair.points):
+                p.position = (i, 0.5 * i, 0)
+                p.radius = 0.125 * (i + 1)
+            add("hair", hair)
+    mesh = bpy.data.meshes.new("moving")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    o = add("mover", mesh)
+    for frame, x in ((0, 0.0), (2, 8.0)):
+        o.location.x = x
+        o.keyframe_insert("location", frame=frame)
+        o.shape_key_add(name="key%d" % frame)
+    grown = mesh.shape_keys.key_blocks[1]
+    grown.data[1].co = (3, 0, 0)
+    for frame, value in ((0, 0.0), (2, 1.0)):
+        grown.value = value
+        grown.keyframe_insert("value", frame=frame)
+    for a in bpy.data.actions:
+        bags = [b for l in getattr(a, "layers", ()) for t in l.strips for b in t.channelbags] or [a]   # Blender 4.4 has layers
+        for k in [k for b in bags for c in b.fcurves for k in c.keyframe_points]:
+            k.interpolation = "LINEAR"
+    bpy.context.scene.render.use_motion_blur = True
+    bpy.context.scene.render.motion_blur_shutter = 0.5
 
 
 def main():
@@ -140,6 +175,8 @@ def main():
     scene.cycles.use_adaptive_sampling = False
     meshes()
     lights_and_camera()
+    hair_and_motion()
+    scene.frame_set(1)
     blend = os.path.splitext(sys.argv[1])[0] + ".blend"
     bpy.ops.wm.save_as_mainfile(filepath=blend)
     status = command.main([blend, "-o", sys.argv[1]])

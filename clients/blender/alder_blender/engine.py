@@ -17,7 +17,7 @@ class AlderExportEngine(bpy.types.RenderEngine):
         if AlderExportEngine.result is not None:
             return   # one view layer only
         try:
-            exporter = SceneExporter(depsgraph)
+            exporter = SceneExporter(depsgraph, self)
             exporter.export()
             exporter.box.write(AlderExportEngine.path, exporter.document)
             AlderExportEngine.result = exporter

@@ -42,19 +42,52 @@ def export_camera(o, scene, report):
     elif c.type == "PERSP":
         sensor = c.sensor_height if c.sensor_fit == "VERTICAL" else c.sensor_width
         out["fov_degrees"] = number(math.degrees(2 * math.atan(0.5 * sensor / c.lens * larger / fit)))
+    elif c.type == "PANO" and _panorama(c, out):
+        pass
     else:
-        report.unsupported("camera of type " + c.type, o.name)
+        report.unsupported("camera of type " + c.type + (" (%s)" % _panorama_type(c) if c.type == "PANO" else ""), o.name)
         return None
-    if c.shift_x or c.shift_y:
+    if (c.shift_x or c.shift_y) and c.type != "PANO":
         out["shift"] = numbers([c.shift_x * fit / larger, c.shift_y * fit / larger])
     if c.dof.use_dof:
         # Millimetres for a lens; an orthographic one has none.
         length = 1.0 if c.type == "ORTHO" else c.lens * 1e-3
         out["aperture_radius"] = number(length / (2 * max(c.dof.aperture_fstop, 1e-5)))
         out["focus_distance"] = number(max(_focus_distance(o), 1e-5))
-        if c.dof.aperture_blades > 0 or c.dof.aperture_ratio != 1:
-            report.unsupported("aperture with blades or squeezed", o.name)
+        if c.dof.aperture_blades > 2:
+            out["aperture_blades"] = c.dof.aperture_blades
+            out["aperture_rotation_degrees"] = number(math.degrees(c.dof.aperture_rotation))
+        if c.dof.aperture_ratio != 1:
+            out["aperture_ratio"] = number(c.dof.aperture_ratio)
     return out
+
+
+PANORAMAS = {"EQUIRECTANGULAR": "equirectangular", "FISHEYE_EQUIDISTANT": "fisheye_equidistant", "FISHEYE_EQUISOLID": "fisheye_equisolid",
+             "MIRRORBALL": "mirror_ball"}
+
+
+def _panorama_type(c):
+    return getattr(c, "panorama_type", None) or getattr(getattr(c, "cycles", None), "panorama_type", "")   # Blender 5 | 4 and 3
+
+
+def _panorama(c, out):
+    """False where the document has no such panorama."""
+    kind = PANORAMAS.get(_panorama_type(c))
+    if kind is None:
+        return False
+    s = c if hasattr(c, "panorama_type") else c.cycles
+    out["type"] = "panoramic"
+    out["panorama"] = kind
+    if kind == "equirectangular":
+        for name in ("longitude_min", "longitude_max", "latitude_min", "latitude_max"):
+            out[name + "_degrees"] = number(max(-360.0, min(360.0, math.degrees(getattr(s, name)))))
+            if name.startswith("latitude"):
+                out[name + "_degrees"] = max(-90.0, min(90.0, out[name + "_degrees"]))
+    elif kind.startswith("fisheye"):
+        out["fisheye_fov_degrees"] = number(math.degrees(s.fisheye_fov))
+        out["fisheye_lens_mm"] = number(s.fisheye_lens)
+        out["sensor_mm"] = numbers([c.sensor_width, c.sensor_height])
+    return True
 
 
 def _focus_distance(o):

@@ -5,7 +5,7 @@ Geometry comes from the dependency graph: every instance it lists counts, meshes
 import bpy
 import numpy as np
 
-from . import meshes, objects, values
+from . import hair, meshes, motion, objects, values
 from .container import Container
 from .graph import GraphWriter, output_node
 from .images import Images
@@ -15,13 +15,14 @@ MESH_TYPES = {"MESH"}
 CONVERTED_TYPES = {"META"}
 # Curves, surfaces and texts are listed a second time, as instances of the meshes they become.
 INVISIBLE_TYPES = {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE", "CAMERA", "CURVE", "SURFACE", "FONT"}
-UNSUPPORTED_TYPES = {"CURVES": "hair curves", "POINTCLOUD": "point clouds", "VOLUME": "volume objects", "GPENCIL": "grease pencil",
+THREAD_TYPES = {"CURVES": "curves", "POINTCLOUD": "points"}
+UNSUPPORTED_TYPES = {"VOLUME": "volume objects", "GPENCIL": "grease pencil",
                      "GREASEPENCIL": "grease pencil"}
 MOST_LIGHT_GROUPS = 8
 
 
 class SceneExporter:
-    def __init__(self, depsgraph):
+    def __init__(self, depsgraph, engine=None):
         self.depsgraph = depsgraph
         self.scene = depsgraph.scene
         self.view_layer = depsgraph.view_layer
@@ -31,7 +32,8 @@ class SceneExporter:
         version = bpy.app.version[:2]
         self.graphs = GraphWriter(self.report, self.images.parameter, self.images.file, self._object_matrix,
                                   version if version < (4, 5) else None)
-        self.document = {"alder_scene": 1, "name": self.scene.name, "settings": {}, "cameras": {}, "materials": {}, "meshes": {},
+        self.motion = motion.Motion(depsgraph, engine)
+        self.document = {"alder_scene": 1, "name": self.scene.name, "settings": {}, "cameras": {}, "materials": {}, "meshes": {}, "curves": {}, "points": {},
                          "instances": {}, "lights": {}}
         self.meshes = {}       # pointer of the data -> (name in the document or None, material slots its faces need)
         self.materials = {}    # name_full -> name in the document
@@ -40,12 +42,15 @@ class SceneExporter:
         self.light_groups = {}
 
     def export(self):
+        self.motion.go_to_center()
         self._light_groups()
         self._settings()
         self._cameras()
         self._geometry()
-        self._instances()
         self._world()
+        self.motion.write(self.groups.values(), self.document, self.box, self.report)
+        self._instances()
+        self.motion.come_back()
         self.document["report"] = self.report.document()
         return self.document
 
@@ -83,18 +88,22 @@ class SceneExporter:
             out["filter_width"] = 1 if c.pixel_filter_type == "BOX" else values.number(c.filter_width)
             out["caustics_reflective"] = bool(c.caustics_reflective)
             out["caustics_refractive"] = bool(c.caustics_refractive)
-            if c.film_exposure != 1:
-                self.report.unsupported("film exposure", where)
-            if c.blur_glossy > 0:
-                self.report.unsupported("filter glossy", where)
+            out["exposure"] = values.number(c.film_exposure)
+            out["filter_glossy"] = values.number(c.blur_glossy)
             if c.film_transparent_glass and r.film_transparent:
                 self.report.unsupported("transparent glass of the film", where)
             if c.use_denoising:
                 self.report.note("denoising", where)
             if c.use_adaptive_sampling:
                 self.report.note("adaptive sampling: a fixed number of samples is written", where)
-        if r.use_motion_blur:
-            self.report.unsupported("motion blur", where)
+        if r.use_motion_blur and c is not None:
+            curve = r.motion_blur_shutter_curve
+            curve.initialize()
+            samples = [max(0.0, curve.evaluate(curve.curves[0], k / 64)) for k in range(65)]
+            if max(samples) - min(samples) > 1e-6:
+                out["shutter_curve"] = values.numbers(samples)
+            if getattr(c, "rolling_shutter_type", "NONE") != "NONE":
+                self.report.unsupported("rolling shutter", where)
         if r.use_border:
             self.report.unsupported("render region", where)
         if s.world is not None and getattr(s.world.light_settings, "use_ambient_occlusion", False) and c is not None and c.use_fast_gi:
@@ -173,8 +182,8 @@ class SceneExporter:
                 self._particles(o, i)
                 group = known[key] = self._group(o, parent, i.is_instance)
             if group is not None:
-                a, b, c, _ = i.matrix_world
-                group[2].extend((*a, *b, *c))
+                self.motion.add_instance(i, group, len(group[3]), group[4])
+                group[2].extend(motion.matrix_of(i))
                 group[3].append(i.random_id if i.is_instance else values.random_id(o.original.name))
 
     def _particles(self, o, instance):
@@ -192,10 +201,11 @@ class SceneExporter:
         if o.type in UNSUPPORTED_TYPES:
             self.report.unsupported(UNSUPPORTED_TYPES[o.type], name)
             return None
-        if o.type not in MESH_TYPES and o.type not in CONVERTED_TYPES:
+        if o.type not in MESH_TYPES and o.type not in CONVERTED_TYPES and o.type not in THREAD_TYPES:
             self.report.unsupported("objects of type " + o.type, name)
             return None
-        mesh, slots = self._mesh(o, name)
+        kind = THREAD_TYPES.get(o.type, "meshes")
+        mesh, slots = self._threads(o, name, kind) if o.type in THREAD_TYPES else self._mesh(o, name)
         if mesh is None:
             return None
         hidden = objects.visibility(o)
@@ -203,7 +213,7 @@ class SceneExporter:
             hidden.update(objects.visibility(parent))
         self._object_warnings(o, name)
         materials = self._slots(o)
-        member = {"mesh": mesh}
+        member = {"mesh" if kind == "meshes" else kind: mesh}
         if materials:
             # Faces beyond the last slot show the last material.
             materials += [materials[-1]] * (slots - len(materials))
@@ -212,6 +222,8 @@ class SceneExporter:
             member["materials"] = [self._default_material()] * slots
         if hidden:
             member["visibility"] = hidden
+        if o.is_holdout:
+            member["holdout"] = True
         if o.pass_index:
             member["pass_index"] = o.pass_index
         color = values.numbers(o.color)
@@ -226,12 +238,10 @@ class SceneExporter:
         label = "%s/%s" % (by, name) if by != name else name
         label = self._free(label, self.document["instances"])
         self.document["instances"][label] = member
-        group = self.groups[label] = [label, member, [], []]
+        group = self.groups[label] = [label, member, [], [], (kind, mesh)]
         return group
 
     def _object_warnings(self, o, name):
-        if o.is_holdout:
-            self.report.unsupported("holdout objects", name)
         if o.is_shadow_catcher:
             self.report.unsupported("shadow catchers", name)
         linking = getattr(o, "light_linking", None)
@@ -242,7 +252,7 @@ class SceneExporter:
             self.report.unsupported("adaptive subdivision", name)
 
     def _instances(self):
-        for label, member, transforms, randoms in self.groups.values():
+        for label, member, transforms, randoms, _ in self.groups.values():
             # As Cycles: the id as a fraction of the largest one.
             fractions = np.asarray(randoms, np.int64).astype(np.uint32).astype(np.float32) * np.float32(1 / 0xffffffff)
             fractions = np.minimum(fractions, np.float32(1))
@@ -272,6 +282,32 @@ class SceneExporter:
             o.to_mesh_clear()
         self.meshes[key] = (label, slots)
         return label, slots
+
+    def _threads(self, o, name, kind):
+        """Hair curves or a point cloud."""
+        key = o.data.as_pointer()
+        if key in self.meshes:
+            return self.meshes[key]
+        if kind == "curves":
+            out = hair.export_curves(o.data, self.scene, self.box, self.report, name, self._has_elliptical_hair(o))
+        else:
+            out = hair.export_points(o.data, self.box, self.report, name)
+        label = None
+        if out is not None:
+            label = self._free(o.original.data.name_full, self.document[kind])
+            self.document[kind][label] = out
+        self.meshes[key] = (label, 1)
+        return label, 1
+
+    @staticmethod
+    def _has_elliptical_hair(o):
+        for slot in o.material_slots:
+            tree = slot.material.node_tree if slot.material is not None and slot.material.use_nodes else None
+            for n in tree.nodes if tree is not None else ():
+                if n.bl_idname == "ShaderNodeBsdfHairPrincipled" and getattr(n, "model", "CHIANG") == "HUANG" \
+                        and (n.inputs["Aspect Ratio"].is_linked or n.inputs["Aspect Ratio"].default_value != 1):
+                    return True
+        return False
 
     def _deformed(self, where):
         self.report.unsupported("generated coordinates of a deformed mesh (taken from the deformed one)", where)
@@ -304,7 +340,7 @@ class SceneExporter:
 
     def _slots(self, o):
         slots = [s.material for s in o.material_slots]
-        if not slots and o.type in MESH_TYPES:
+        if not slots and (o.type in MESH_TYPES or o.type in THREAD_TYPES):
             slots = list(o.data.materials)
         return [self._material(m) for m in slots]
 
@@ -338,7 +374,11 @@ class SceneExporter:
                 graph["nodes"]["no surface"] = {"type": "ShaderNodeBsdfTransparent", "params": {"Color": [1, 1, 1]}}
                 graph["outputs"]["surface"] = {"node": "no surface", "output": "BSDF"}
         if "displacement" in graph["outputs"]:
-            self.report.unsupported("displacement of a material", name)
+            method = getattr(m, "displacement_method", None) or getattr(getattr(m, "cycles", None), "displacement_method", "BUMP")   # Blender 4.1
+            if method != "BUMP":
+                graph["displacement"] = {"DISPLACEMENT": "displacement", "BOTH": "both"}[method]
+            if method != "DISPLACEMENT":
+                self.report.unsupported("displacement of a material as bump", name)
         if output_node(m.node_tree, "ShaderNodeOutputMaterial") is None:
             self.report.note("material without output", name)
         return graph

@@ -357,11 +357,11 @@ TEST(SceneDocument, wrong_arrays_are_refused_before_they_are_used) {
 
 TEST(SceneDocument, what_is_not_there_yet_says_so_or_is_left_out_if_lenient) {
     json doc = minimal();
-    doc["curves"]["hair"] = {{"points", {1, 2, 3}}};
-    doc["instances"]["a"]["motion"] = {{"transforms", {1, 2}}};
+    doc["volumes"]["smoke"] = {{"density", 1}};
+    doc["instances"]["a"]["shadow_catcher"] = true;
     doc["flavour"] = "sweet";
     const std::vector<std::string> f = faults(doc);
-    EXPECT_EQ(f, (std::vector<std::string>{"/instances/a/motion unsupported", "/curves unsupported", "/flavour unknown-member"}));
+    EXPECT_EQ(f, (std::vector<std::string>{"/instances/a/shadow_catcher unsupported", "/volumes unsupported", "/flavour unknown-member"}));
     Diagnostics d;
     const auto s = load(doc, d, {.lenient = true});
     ASSERT_TRUE(s);
@@ -370,6 +370,97 @@ TEST(SceneDocument, what_is_not_there_yet_says_so_or_is_left_out_if_lenient) {
     EXPECT_FALSE(load({{"alder_scene", 2}}, d2));
     EXPECT_FALSE(load(json::array(), d2));
     EXPECT_FALSE(load({{"meshes", 1}}, d2));
+}
+
+TEST(SceneDocument, curves_points_and_motion_come_back_as_they_were) {
+    json doc = minimal();
+    doc["curves"]["tri"] = {{"positions", {0, 0, 0, 1, 0, 0, 2, 1, 0, 5, 5, 5, 6, 5, 5}}, {"counts", {3, 2}}, {"radii", {0.1, 0.2, 0.3, 0.4, 0.5}}, {"form", "ribbon"},
+                            {"subdivisions", 3}, {"normals", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}},
+                            {"attributes", {{"root", {{"domain", "curve"}, {"channels", 2}, {"values", {1, 2, 3, 4}}}}}}};
+    doc["points"]["dust"] = {{"positions", {0, 0, 0, 1, 1, 1}}, {"motion", {{"steps", 2}, {"positions", {0, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 2}}, {"radii", {1, 2, 3, 4}}}}};
+    doc["meshes"]["tri"]["motion"] = {{"steps", 3}, {"positions", {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 0, 0, 2, 1, 0, 2, 0, 1, 2}}};
+    doc["instances"]["hair"] = {{"curves", "tri"}, {"holdout", true}};
+    doc["instances"]["cloud"] = {{"points", "dust"}, {"transforms", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                 {"motion", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0}}};
+    doc["settings"]["shutter_curve"] = {0, 1, 0};
+    doc["settings"]["exposure"] = 2;
+    doc["settings"]["filter_glossy"] = 0.5;
+    json& camera = doc["cameras"].begin().value();
+    camera["motion"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0};
+    camera["type"] = "panoramic";
+    camera["panorama"] = "fisheye_equisolid";
+    camera["fisheye_lens_mm"] = 12;
+    camera["aperture_blades"] = 5;
+    camera["aperture_rotation_degrees"] = 30;
+    Diagnostics d;
+    const auto check = [](const Scene& s) {
+        ASSERT_EQ(s.meshes.size(), 3u);
+        const Mesh &mesh = *s.meshes[0], &curves = *s.meshes[1], &points = *s.meshes[2];
+        EXPECT_EQ(mesh.motion_steps, 3);
+        EXPECT_EQ(mesh.motion_normals.size(), 9u);
+        EXPECT_EQ(curves.shape, Shape::Curves);
+        EXPECT_EQ(curves.curve_first, (std::vector<uint32_t>{0, 3, 5}));
+        EXPECT_EQ(curves.curve_form, CurveForm::Ribbon);
+        EXPECT_EQ(curves.curve_subdivisions, 3);
+        EXPECT_EQ(curves.curve_normals.size(), 5u);
+        EXPECT_FLOAT_EQ(curves.radii[4], 0.5f);
+        EXPECT_EQ(curves.attributes.at(0).domain, Domain::Curve);
+        EXPECT_EQ(points.shape, Shape::Spheres);
+        EXPECT_EQ(points.motion_radii, (std::vector<float>{1, 2, 3, 4}));
+        EXPECT_FLOAT_EQ(points.radii[0], 0.005f);
+        int clouds = 0;
+        for (const Instance& i : s.instances) {
+            if (s.meshes[i.mesh]->shape == Shape::Curves) { EXPECT_TRUE(i.holdout); }
+            if (s.meshes[i.mesh]->shape != Shape::Spheres) continue;
+            ASSERT_EQ(i.motion.size(), 2u);
+            EXPECT_EQ(i.motion[1].m[3], i.object_to_world.m[3] == 0 ? 2 : 4);
+            ++clouds;
+        }
+        EXPECT_EQ(clouds, 2);
+        EXPECT_EQ(s.settings.shutter_curve, (std::vector<float>{0, 1, 0}));
+        EXPECT_EQ(s.settings.exposure, 2);
+        EXPECT_EQ(s.settings.filter_glossy, 0.5f);
+        EXPECT_EQ(s.camera.motion.size(), 2u);
+        EXPECT_EQ(s.camera.panorama, Camera::Panorama::FisheyeEquisolid);
+        EXPECT_EQ(s.camera.fisheye_lens, 12);
+        EXPECT_EQ(s.camera.aperture_blades, 5);
+        EXPECT_NEAR(s.camera.aperture_rotation, 0.5235988f, 1e-6);
+    };
+    const auto s = load(doc, d);
+    for (const Diagnostic& e : d.errors) ADD_FAILURE() << e.line();
+    ASSERT_TRUE(s);
+    check(*s);
+    std::vector<uint8_t> buffer;
+    const json written = scene_to_json(*s, "b", buffer);
+    SceneLoadOptions options;
+    options.read_buffer = [&](const std::string&, std::vector<uint8_t>& bytes, std::string&) {
+        bytes = buffer;
+        return true;
+    };
+    const auto again = load(written, d, options);
+    for (const Diagnostic& e : d.errors) ADD_FAILURE() << e.line();
+    ASSERT_TRUE(again);
+    check(*again);
+    std::vector<uint8_t> second;
+    EXPECT_EQ(scene_to_json(*again, "b", second).dump(), written.dump());
+}
+
+TEST(SceneDocument, faults_of_curves_and_motion_are_named) {
+    const auto with = [](const char* where, const json& value) {
+        json doc = minimal();
+        doc[json::json_pointer(where)] = value;
+        const auto f = faults(doc);
+        return f.empty() ? std::string("none") : f[0];
+    };
+    EXPECT_EQ(with("/curves", {{"h", {{"positions", {0, 0, 0}}}}}), "/curves/h/counts missing-member");
+    EXPECT_EQ(with("/curves", {{"h", {{"positions", {0, 0, 0}}, {"counts", {2}}}}}), "/curves/h/counts wrong-length");
+    EXPECT_EQ(with("/curves", {{"h", {{"positions", {0, 0, 0}}, {"counts", {1, 0}}}}}), "/curves/h/counts wrong-length");
+    EXPECT_EQ(with("/curves", {{"h", {{"positions", {0, 0, 0}}, {"counts", {1}}, {"radii", {1, 2}}}}}), "/curves/h/radii wrong-length");
+    EXPECT_EQ(with("/points", {{"p", {{"positions", {0, 0, 0}}, {"attributes", {{"x", {{"domain", "face"}, {"channels", 1}, {"values", {1}}}}}}}}}),
+              "/points/p/attributes/x/domain wrong-value");
+    EXPECT_EQ(with("/instances/a/motion", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}), "/instances/a/motion wrong-length");
+    EXPECT_EQ(with("/instances/a/curves", "tri"), "/instances/a wrong-value");
+    EXPECT_EQ(with("/meshes/tri/motion", {{"steps", 1}, {"positions", {0}}}), "/meshes/tri/motion/steps out-of-range");
 }
 
 TEST(SceneDocument, a_shading_edit_keeps_the_meshes) {
