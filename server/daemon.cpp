@@ -75,6 +75,7 @@ void Daemon::warm_up() {
 bool Daemon::stop() {
     if (!service_ || !door_) return true;
     service_->draining = true;
+    service_->live.stop();   // streams end
     return door_->stop(options_.stop_seconds);
 }
 

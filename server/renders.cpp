@@ -44,7 +44,7 @@ FrameRequest read_frame(const nlohmann::json& body, Diagnostics& d) {
     m.boolean("lenient", f.lenient);
     m.boolean("strict", f.strict);
     std::string mode = "final";
-    if (m.choice("mode", mode, {"final", "live"}) && mode == "live") m.fault("mode", "unsupported", "\"live\"", "\"final\": live renders are not available in this version");
+    m.choice("mode", mode, {"final", "live"});
     std::array<int64_t, 2> resolution{};
     if (read_numbers(m, "resolution", resolution, 1, kSideMost)) {
         f.render.width = static_cast<int>(resolution[0]);
@@ -95,6 +95,7 @@ http::Response post_renders(Service& s, http::Request& request) {
     const auto since = [](std::chrono::steady_clock::time_point t) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count(); };
     const std::string type = best_type(request, {"image/x-exr", "image/png", "image/jpeg", "application/json"});
     const nlohmann::json body = s.read_json(request);
+    if (const auto mode = body.find("mode"); body.is_object() && mode != body.end() && *mode == "live") return post_live_render(s, request, body);
     Diagnostics d;
     FrameRequest f = read_frame(body, d);
     if (!d.ok()) throw problem_from("settings-invalid", d);

@@ -51,12 +51,15 @@ Service::Service(const ServiceOptions& o)
       results(static_cast<size_t>(o.cache_mib) << 20),
       compile_lane("compile", engine_workers(o.threads), static_cast<size_t>(o.queue)),
       preview_lane("preview", 1, static_cast<size_t>(o.queue)),
-      render_lane("render", 1, static_cast<size_t>(o.queue)) {
+      render_lane("render", 1, static_cast<size_t>(o.queue)),
+      live(metrics) {
     access.allowed_origins = o.allowed_origins;
     for (const Lane* lane : {&compile_lane, &preview_lane, &render_lane}) {
         metrics.gauge("alder_" + lane->name() + "_queued", [lane] { return static_cast<double>(lane->queued()); });
         metrics.gauge("alder_" + lane->name() + "_running", [lane] { return static_cast<double>(lane->running()); });
     }
+    metrics.gauge("alder_live_renders", [this] { return static_cast<double>(live.size()); });
+    metrics.gauge("alder_streams", [this] { return static_cast<double>(live.streams()); });
     metrics.gauge("alder_result_cache_bytes", [this] { return static_cast<double>(results.bytes()); });
     metrics.gauge("alder_material_cache_hits", [this] { return static_cast<double>(engine.materials().counters().hits); });
     metrics.gauge("alder_material_cache_misses", [this] { return static_cast<double>(engine.materials().counters().misses); });
@@ -86,6 +89,7 @@ void Service::watch_textures() {
 }
 
 Service::~Service() {
+    live.stop();
     for (Lane* lane : {&compile_lane, &preview_lane, &render_lane}) lane->stop();
 }
 
@@ -209,6 +213,7 @@ http::Response Service::route(http::Request& request) {
         p.headers.emplace_back("Allow", match.allow);
         throw p;
     }
+    if (auto answer = live_route(*this, request)) return std::move(*answer);
     return match.handler(*this, request);
 }
 

@@ -12,6 +12,7 @@
 #include "server/errors.h"
 #include "server/http/message.h"
 #include "server/lane.h"
+#include "server/live/live_store.h"
 #include "server/metrics.h"
 #include "server/options.h"
 #include "server/result_cache.h"
@@ -44,6 +45,7 @@ class Service {
     SceneStore scenes;
     ResultCache results;
     Lane compile_lane, preview_lane, render_lane;
+    live::LiveStore live;
     std::atomic<bool> draining{false};
 
   private:
