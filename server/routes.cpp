@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/access.h"
+#include "server/openapi.h"
 
 namespace alder {
 namespace {
@@ -24,6 +25,7 @@ constexpr Route kRoutes[] = {
     {"GET", "/readyz", get_readyz, kScopeNone},
     {"GET", "/metrics", get_metrics, kScopeRead},
     {"GET", "/problems/{type}", get_problem, kScopeNone},
+    {"GET", "/v1/openapi.json", get_openapi, kScopeRead},
     {"GET", "/v1/version", get_version, kScopeRead},
     {"GET", "/v1/nodes", get_nodes, kScopeRead},
     {"GET", "/v1/nodes/{type}", get_node, kScopeRead},
@@ -82,6 +84,12 @@ bool fits(std::string_view pattern, const std::vector<std::string>& segments, st
 }
 
 }  // namespace
+
+std::vector<RouteInfo> route_list() {
+    std::vector<RouteInfo> list;
+    for (const Route& r : kRoutes) list.push_back({r.method, r.path, r.scope});
+    return list;
+}
 
 bool known_method(const std::string& method) {
     static constexpr std::array<std::string_view, 7> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};

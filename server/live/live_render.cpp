@@ -216,6 +216,11 @@ std::vector<Event> LiveRender::next_events(uint64_t after, double seconds) {
     if (after + 1 < first_whole_event_) found.push_back({first_whole_event_ - 1, "state", document_locked()});
     for (const Event& e : events_)
         if (e.number > after) found.push_back(e);
+    // A picture that this reader has not heard of may have shown an edit before this one took its place.
+    for (Event& e : found)
+        if (e.type == "image")
+            for (const ShownEdit& edit : shown_edits_)
+                if (edit.event > after && edit.event <= e.number) e.data["edits"].push_back(edit.token);
     return found;
 }
 
@@ -228,8 +233,8 @@ std::shared_ptr<const Frame> LiveRender::next_frame(uint64_t after, double secon
 std::vector<std::string> LiveRender::edits_between(uint64_t after, uint64_t until) const {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> found;
-    for (const auto& [number, token] : shown_edits_)
-        if (number > after && number <= until) found.push_back(token);
+    for (const ShownEdit& edit : shown_edits_)
+        if (edit.picture > after && edit.picture <= until) found.push_back(edit.token);
     return found;
 }
 
@@ -257,18 +262,15 @@ void LiveRender::publish(std::shared_ptr<const FilmPicture> film, int divisor, u
     frame->revision = film_source_.revision;
     // A re-mix shows at once; edits of the scene only when a picture of it is there.
     if (version == version_ || !dirty_) {
-        for (std::string& token : pending_) shown_edits_.emplace_back(frame->number, std::move(token));
+        for (std::string& token : pending_) shown_edits_.push_back({frame->number, last_event_ + 1, std::move(token)});
         while (shown_edits_.size() > kEditsMost) shown_edits_.pop_front();
         if (version == version_ && !shown_) metrics_.observe("alder_edit_to_image_seconds", {}, since(edited_));
         pending_.clear();
         shown_ = true;
     }
     frame_ = std::move(frame);
-    std::vector<std::string> edits;
-    for (const auto& [number, token] : shown_edits_)
-        if (number == frame_->number) edits.push_back(token);
     push("image", {{"samples", frame_->samples()}, {"divisor", divisor}, {"number", frame_->number}, {"url", "/v1/renders/" + id_ + "/snapshot.exr"},
-                   {"etag", fmt::format("\"{}\"", frame_->number)}, {"scene_revision", frame_->revision}, {"edits", edits}});
+                   {"etag", fmt::format("\"{}\"", frame_->number)}, {"scene_revision", frame_->revision}, {"edits", nlohmann::json::array()}});   // filled in for each reader
 }
 
 double LiveRender::predicted_seconds(int divisor) const {

@@ -138,7 +138,11 @@ class LiveRender {
 
     // what is there
     std::shared_ptr<const Frame> frame_;
-    std::deque<std::pair<uint64_t, std::string>> shown_edits_;   ///< number of the picture, edit
+    struct ShownEdit {
+        uint64_t picture, event;   ///< numbers of those that showed it first
+        std::string token;
+    };
+    std::deque<ShownEdit> shown_edits_;
     std::deque<Event> events_;
     uint64_t last_event_ = 0, first_whole_event_ = 1;   ///< before the latter, events have been dropped
     std::chrono::steady_clock::time_point last_progress_;
