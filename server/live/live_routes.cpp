@@ -323,7 +323,7 @@ std::optional<http::Response> live_route(Service& s, http::Request& request) {
     constexpr std::string_view kBase = "/v1/renders/{id}";
     if (request.route.rfind(kBase, 0) != 0) return std::nullopt;
     const auto entry = s.live.find(request.parameters["id"]);
-    if (!entry || (!request.user.empty() && request.user != entry->user)) return std::nullopt;
+    if (!entry || (!request.sees_all && request.user != entry->user)) return std::nullopt;
     const std::string what = request.route.substr(kBase.size());
     const std::string method = request.method == "HEAD" ? "GET" : request.method;
     if (method == "GET") {
