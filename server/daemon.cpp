@@ -103,6 +103,7 @@ void Daemon::warm_up() {
 bool Daemon::stop() {
     if (!service_ || !door_) return true;
     service_->draining = true;
+    service_->live.stop();   // streams end
     const auto start = std::chrono::steady_clock::now();
     service_->renders.stop(options_.stop_seconds / 2);   // who waits for a render is answered now: it is on disk and goes on later
     return door_->stop(options_.stop_seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
