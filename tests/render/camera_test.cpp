@@ -234,15 +234,16 @@ TEST(Camera, filter_glossy_blurs_only_what_is_behind_unlikely_scatterings) {
     const Vec3d sharp = mean(kit.render());
     kit.scene.settings.filter_glossy = 1;
     EXPECT_EQ(mean(kit.render()).x, sharp.x) << "seen by the camera: as it is";
-    // Behind a diffuse scattering: other directions of the world, about as much of it.
+    // Behind a diffuse scattering.
     kit.add(quad({-0.5f, 0.5f, 8}, {0.5f, 0.5f, 8}, {0.5f, -0.5f, 8}, {-0.5f, -0.5f, 8}), kit.add_material(diffuse(0.5f, 0.5f, 0.5f)));
     kit.look_at({0, 0, 2}, {0, 0, 8}, 5);
     kit.scene.world.graph = emission(1);
     const double blurred = mean(kit.render()).x;
     kit.scene.settings.filter_glossy = 0;
     const double plain = mean(kit.render()).x;
-    EXPECT_NEAR(blurred / plain, 1, 0.15);
-    EXPECT_GT(std::abs(blurred / plain - 1), 1e-4);
+    // Wide lobes lose what scatters more than once.
+    EXPECT_LT(blurred / plain, 0.95);
+    EXPECT_GT(blurred / plain, 0.6);
 }
 
 }  // namespace
