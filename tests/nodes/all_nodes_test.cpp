@@ -78,6 +78,33 @@ TEST(AllNodes, no_value_crashes_a_node) {
     });
 }
 
+/// Nodes whose original gives infinity or NaN for finite input, and why. What is not here gives numbers.
+const std::map<std::string, std::string>& defined_not_finite() {
+    static const std::map<std::string, std::string> kList = {
+    };
+    return kList;
+}
+
+TEST(AllNodes, finite_values_give_finite_results) {
+    std::string faults;
+    std::map<std::string, int> met;
+    for_all_graphs([&](const NodeType& type, const std::string& label, const Program& p) {
+        const auto list = results(p);
+        for (const bool scalar : {false, true}) {
+            const auto out = run<float>(p, Values::Extreme, 512, scalar, false);
+            for (size_t r = 0; r < out.size(); ++r) {
+                const auto bad = std::find_if(out[r].begin(), out[r].end(), [](float v) { return !std::isfinite(v); });
+                if (bad == out[r].end()) continue;
+                ++met[type.name];
+                if (defined_not_finite().count(type.name)) continue;
+                faults += label + " " + list[r].first + (scalar ? " scalar" : "") + ": " + std::to_string(*bad) + " at point " + std::to_string(bad - out[r].begin()) + "\n";
+            }
+        }
+    });
+    EXPECT_EQ(faults, "");
+    for (const auto& [name, why] : defined_not_finite()) EXPECT_TRUE(met.count(name)) << name << " (" << why << ") gives numbers now: take it off the list";
+}
+
 TEST(AllNodes, schema_is_complete) {
     for (const NodeType* type : all_nodes()) {
         EXPECT_FALSE(type->summary.empty()) << type->name;
