@@ -75,12 +75,14 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
         for (const auto& e : errors) {
             if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back(prepare_fault(node, e));
         }
-        if (const auto* resources = dynamic_cast<const ResourceFaults*>(s->prepared.get()))
+        if (const auto* resources = dynamic_cast<const ResourceFaults*>(s->prepared.get())) {
+            built_.resources.emplace_back(pointer_to(node), s->prepared);
             for (const auto& f : resources->faults) {
                 auto& list = options_.strict ? d_.errors : d_.warnings;
                 const std::string shown = options_.strict ? "a file that can be read" : "a file that can be read; it is rendered magenta";
                 if (list.size() < kMaxDiagnostics) list.push_back({pointer_to(node, f.parameter), "asset-unreadable", f.file + ": " + f.reason, shown, ""});
             }
+        }
     }
     slot.statics = s;
     return s;

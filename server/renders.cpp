@@ -132,6 +132,8 @@ http::Response post_renders(Service& s, http::Request& request) {
             const Image image = render(*loaded->prepared, f.render, stats);
             timings.render = since(rendering);
             if (cancel) throw Problem{"cancelled", "the client hung up, or the daemon is stopping"};
+            if (f.strict) require_files(*loaded->scene, d);   // a file may break off in the middle
+            if (!d.ok()) throw problem_from("scene-invalid", d);
             response = picture(image, type, View{}, stats, d, timings, f.exr);
             s.count_render(stats);
             out_of_time = false;
