@@ -78,6 +78,92 @@ TEST_F(ImageFaultsTest, a_material_remembers_its_faults_for_strict_renders) {
     m->program({.outputs = {"tex/1.Color"}}, again);
     EXPECT_TRUE(again.warnings.empty()) << "said once";
 }
+TEST_F(ImageFaultsTest, a_file_in_tiles_that_breaks_off_shows_where_it_does_and_fails_a_strict_request) {
+    constexpr int side = 256, tile = 64;
+    const std::string file = (folder_ / "tiles.tif").string();
+    const std::vector<float> pixels(side * side * 3, 0.5f);
+    OIIO::ImageSpec spec(side, side, 3, OIIO::TypeDesc::UINT8);
+    spec.tile_width = spec.tile_height = tile;
+    spec.attribute("compression", "none");
+    const auto out = OIIO::ImageOutput::create(file);
+    ASSERT_TRUE(out->open(file, spec) && out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    out->close();
+    // The directory has to stay: it stands at the end, so the hole is made by moving two tiles' offsets out of the file.
+    std::string bytes;
+    {
+        std::ifstream in(file, std::ios::binary);
+        bytes.assign(std::istreambuf_iterator<char>(in), {});
+    }
+    const size_t tile_bytes = size_t{3} * tile * tile;
+    std::string offsets;   // four in a row: 8, 8 + size ... as uncompressed tiles lie
+    size_t at = std::string::npos;
+    for (uint32_t first = 8; first < 4096 && at == std::string::npos; ++first) {
+        offsets.clear();
+        for (uint32_t i = 0; i < 16; ++i) {
+            const auto o = static_cast<uint32_t>(first + i * tile_bytes);
+            offsets.append(reinterpret_cast<const char*>(&o), 4);
+        }
+        at = bytes.find(offsets);
+    }
+    ASSERT_NE(at, std::string::npos);
+    for (size_t i = 0; i < 16; ++i)
+        if (i % 4 == 3) bytes.replace(at + 4 * i, 4, "\x00\xff\xff\x7f", 4);   // the right column
+    std::ofstream(file, std::ios::binary) << bytes;
+    ImageStore::shared().set_budget(1 << 15);
+    const auto red_at = [&](double u, bool strict, Diagnostics& d) {
+        json r = request("tiles.tif");
+        r["graph"]["nodes"]["tex/1"]["params"]["Vector"] = {{"attribute", "at"}};
+        r["points"] = {{"count", 1}, {"attributes", {{"at", {{u, 0.5, 0.0}}}}}};
+        r["outputs"] = {"tex/1.Color"};
+        r["strict"] = strict;
+        const json answer = evaluate_request(r, options_, d);
+        return answer.is_null() ? -1 : answer["outputs"]["tex/1.Color"][0][0].get<double>();
+    };
+    Diagnostics good, loose, strict;
+    EXPECT_NEAR(red_at(0.1, true, good), 0.2140, 2e-3) << "the broken part is not asked for";
+    EXPECT_TRUE(good.ok());
+    EXPECT_EQ(red_at(0.9, false, loose), 1) << "magenta";
+    EXPECT_TRUE(loose.ok());
+    EXPECT_EQ(red_at(0.9, true, strict), -1);
+    ImageStore::shared().set_budget(ImageStore::kDefaultBudget);
+    ASSERT_EQ(strict.errors.size(), 1u);
+    EXPECT_EQ(strict.errors[0].pointer, "/graph/nodes/tex~11/params/image");
+    EXPECT_EQ(strict.errors[0].code, "asset-unreadable");
+    EXPECT_NE(strict.errors[0].found.find("tiles.tif"), std::string::npos) << strict.errors[0].found;
+}
+/// Bands one texel wide: blurred by a bias, more by a larger one; of the footprint's level otherwise.
+TEST_F(ImageFaultsTest, triplanar_bias_takes_coarser_levels) {
+    constexpr int side = 64;
+    std::vector<float> pixels(side * side * 3);
+    for (int i = 0; i < side * side; ++i)
+        for (int c = 0; c < 3; ++c) pixels[3 * i + c] = static_cast<float>(i % side % 2);
+    const std::string file = (folder_ / "bands.exr").string();
+    const auto out = OIIO::ImageOutput::create(file);
+    ASSERT_TRUE(out->open(file, OIIO::ImageSpec(side, side, 3, OIIO::TypeDesc::FLOAT)) && out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    out->close();
+    const auto spread = [&](int bias) {
+        json positions = json::array(), normals = json::array(), dx = json::array(), dy = json::array();
+        constexpr int count = 64;
+        for (int i = 0; i < count; ++i) {
+            positions.push_back({0.013 * i, 0.3, 0.0});
+            normals.push_back({0.0, 0.0, 1.0});
+            dx.push_back({1.0 / side, 0.0, 0.0});   // a texel a pixel
+            dy.push_back({0.0, 1.0 / side, 0.0});
+        }
+        json r = {{"graph", {{"nodes", {{"t", {{"type", "alTriplanar"}, {"params", {{"texture", {{"file", "bands.exr"}}}, {"mipMapBias", bias}}}}}}}}},
+                  {"points", {{"count", count}, {"P", positions}, {"N", normals}, {"Ng", normals}, {"dPdx", dx}, {"dPdy", dy}}}, {"outputs", {"t"}}};
+        Diagnostics d;
+        const json answer = evaluate_request(r, options_, d);
+        EXPECT_TRUE(d.ok()) << (d.ok() ? "" : d.errors[0].line());
+        double lo = 1e9, hi = -1e9;
+        if (!answer.is_null())
+            for (const auto& c : answer["outputs"]["t"]) lo = std::min(lo, c[0].get<double>()), hi = std::max(hi, c[0].get<double>());
+        return hi - lo;
+    };
+    EXPECT_GT(spread(0), 0.9);
+    EXPECT_NEAR(spread(-3), spread(0), 1e-6) << "finer than the image";
+    EXPECT_LT(spread(2), 0.02) << "four texels";
+}
 TEST_F(ImageFaultsTest, names_are_pointed_at_with_the_nearest_one) {
     json r = request("broken.png");
     r["graph"]["nodes"]["tex/1"]["params"]["image"]["colorspace"] = "Linear Rec.7009";
