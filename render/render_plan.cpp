@@ -39,7 +39,6 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
     }
     inputs = {s.surfaces.get(), &camera, s.material_pass_index};
 
-    std::vector<std::string> graph_aovs;
     for (const auto& m : s.materials)
         if (m->material.graph)
             for (const std::string& name : m->material.graph->aov_names()) graph_aovs.push_back(name);
@@ -60,7 +59,7 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
         }
         owned_.push_back(std::move(program));
     }
-    aovs = std::make_unique<AovPlan>(names, scene_aovs);
+    aovs = std::make_shared<AovPlan>(names, scene_aovs);
     for (size_t i = 0; i < s.materials.size(); ++i)
         for (const std::string& name : present[i])
             for (size_t u = 0; u < aovs->user.size(); ++u)
