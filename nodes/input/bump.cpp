@@ -28,8 +28,8 @@ struct Bump {
         // Halved before the difference, so that two limits do not overflow.
         const Vec3<F> upright = F(0.5) * finite_or_limit(width * abs(det) * n), tilt = F(0.5) * finite_or_limit(distance * side * gradient);
         const Vec3<F> bumped = safe_normalize_any(upright - tilt);
-        const Vec3<F> blended = normalize_any(strength * bumped + (F(1) - strength) * n);
-        k.set(0, select<F>(is_zero(bumped), n, blended));
+        const Vec3<F> blended = safe_normalize_any(strength * bumped + (F(1) - strength) * n);
+        k.set(0, select<F>(is_zero(bumped) | is_zero(blended), n, blended));   // opposed normals cancel at strength 0.5
     }
 };
 template <class F>
