@@ -43,6 +43,7 @@ struct Built {
     std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
     std::set<std::pair<int, int>> asked;                     ///< (node, param): lobes() or uses() looked at its constant
     std::vector<std::pair<int, std::string>> skipped;        ///< (node, reason)
+    std::vector<std::pair<std::string, std::shared_ptr<const Prepared>>> resources;  ///< (pointer of the node, its tables): with files behind them
     std::set<int> touched;                                   ///< nodes whose value was asked for
 
     /// "node", or "group/node" inside a group.

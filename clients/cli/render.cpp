@@ -95,6 +95,11 @@ int run(const Options& o) {
     RenderStats stats;
     const Image image = render(*prepared, request, stats, progress_printer(o.quiet, o.progress));
     end_progress();
+    if (o.strict) {   // a file may break off in the middle
+        Diagnostics late;
+        require_files(*scene, late);
+        report(o.scene, late);
+    }
     const auto writing = std::chrono::steady_clock::now();
     ExrOptions exr;
     exr.all_float = o.pixel_type == "float";
