@@ -41,8 +41,9 @@ http::Response get_livez(Service&, http::Request&) { return http::Response::text
 
 http::Response get_readyz(Service& s, http::Request&) {
     const bool store = s.assets.error().empty(), room = s.assets.has_room(0);
-    const bool ready = store && room && !s.draining;
-    auto r = json_response(ready ? 200 : 503, {{"ready", ready}, {"checks", {{"store", store}, {"disk", room}, {"accepting", !s.draining}}}});
+    const bool worker = !s.renders.worker_fails();
+    const bool ready = store && room && worker && !s.draining;
+    auto r = json_response(ready ? 200 : 503, {{"ready", ready}, {"checks", {{"store", store}, {"disk", room}, {"worker", worker}, {"accepting", !s.draining}}}});
     r.set("Cache-Control", "no-store");
     return r;
 }

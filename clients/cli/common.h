@@ -73,5 +73,12 @@ Run add_ci(CLI::App& app);
 Run add_bench(CLI::App& app);
 Run add_completion(CLI::App& app);
 Run add_graph(CLI::App& app);
+// jobs.cpp
+Run add_jobs(CLI::App& app);
+Run add_show(CLI::App& app);
+Run add_wait(CLI::App& app);
+Run add_cancel(CLI::App& app);
+Run add_logs(CLI::App& app);
+Run add_fetch(CLI::App& app);
 
 }  // namespace alder::cli
