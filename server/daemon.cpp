@@ -63,6 +63,8 @@ std::optional<Daemon::StartError> Daemon::start() {
     door_ = std::make_unique<http::Door>(options_.limits, [service](http::Request& request) { return service->handle(request); });
     if (const std::string error = door_->listen(options_.listen); !error.empty()) return wrong(error);
     service_->metrics.gauge("alder_connections", [door = door_.get()] { return static_cast<double>(door->connections()); });
+    // Before anyone can know of it: no request comes first in the log.
+    log_event("info", "listening", {{"address", door_->address()}, {"port", door_->port()}, {"data", options_.data}, {"pid", getpid()}, {"version", ALDER_VERSION}});
     if (!options_.port_file.empty() && !write_durably(options_.port_file, door_->address() + "\n"))
         return StartError{3, fmt::format("cannot write {}", options_.port_file)};
     door_->start();

@@ -69,7 +69,7 @@ constexpr Route kRoutes[] = {
     {"PUT", "/v1/renders/{id}/graph", only_live, kScopeRender},
     {"PATCH", "/v1/renders/{id}/graph", only_live, kScopeRender},
     {"GET", "/v1/renders/{id}/pixel", only_live, kScopeRead},
-    {"GET", "/v1/renders/{id}/events", only_live, kScopeRead},
+    {"GET", "/v1/renders/{id}/events", get_render_events, kScopeRead},
     {"GET", "/v1/renders/{id}/preview.mjpg", only_live, kScopeRead},
     {"GET", "/v1/renders/{id}/stream", only_live, kScopeRead},
     {"GET", "/v1/renders/{id}/tiles", only_live, kScopeRead},

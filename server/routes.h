@@ -79,6 +79,7 @@ http::Response get_render_outputs(Service&, http::Request&);
 http::Response get_render_output(Service&, http::Request&);
 http::Response get_render_log(Service&, http::Request&);
 http::Response get_render_stats(Service&, http::Request&);
+http::Response get_render_events(Service&, http::Request&);
 http::Response get_render_snapshot_exr(Service&, http::Request&);
 http::Response get_render_snapshot_png(Service&, http::Request&);
 http::Response get_render_snapshot_jpg(Service&, http::Request&);

@@ -77,6 +77,8 @@ class RawClient {
         }
         return buffer_;
     }
+    /// What has come and was not taken as an answer.
+    const std::string& received() const { return buffer_; }
     /// Whether the server ends the connection within `seconds`.
     bool ended(double seconds) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
