@@ -367,7 +367,7 @@ std::shared_ptr<const Tangents> tangents_of(const Mesh& mesh, const Attribute* m
 
 }  // namespace
 
-InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
+InputPlan::InputPlan(const Program& program, const Surfaces& surfaces, bool in_volume) {
     for (const ProgramInput& in : program.inputs()) {
         Entry e{in, {}};
         if (in.is_attribute) {
@@ -378,6 +378,7 @@ InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
             if (tangents) e.tangents_by_mesh.resize(surfaces.meshes().size());
             for (size_t m = 0; m < surfaces.meshes().size(); ++m) {
                 e.attribute_by_mesh[m] = find_attribute(*surfaces.meshes()[m], name);
+                if (in_volume && e.attribute_by_mesh[m] && e.attribute_by_mesh[m]->domain != Domain::Mesh) e.attribute_by_mesh[m] = nullptr;
                 if (tangents) e.tangents_by_mesh[m] = tangents_of(*surfaces.meshes()[m], e.attribute_by_mesh[m]);
             }
         }

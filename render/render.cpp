@@ -281,6 +281,9 @@ Image Renderer::image() {
         stats_.shadow_rays += c.shadow_rays;
         stats_.subsurface_rays += c.subsurface_rays;
         stats_.shading_points += c.shading_points;
+        stats_.medium_segments += c.medium_segments;
+        stats_.medium_points += c.medium_points;
+        stats_.media_ignored += c.media_ignored;
         stats_.nonfinite_samples += c.nonfinite_samples;
         const ExecStats e = w->executed();
         stats_.node_evaluations += e.evaluations;

@@ -10,6 +10,7 @@
 #include "render/filter.h"
 #include "render/prepared_scene.h"
 #include "render/scene_query.h"
+#include "render/volume/media.h"
 
 namespace alder {
 
@@ -24,6 +25,7 @@ struct RenderPlan {
     PixelFilter filter;
     std::unique_ptr<const AovPlan> aovs;
     InputScene inputs;
+    std::unique_ptr<const MediaPlan> media;  ///< null: the scene has none
     SurfaceQuery query;  ///< for nodes that cast rays
 
     /// Of each material: the surface program, and the one with AOVs for what the camera sees (the same where it has none).
