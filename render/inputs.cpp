@@ -39,6 +39,8 @@ struct Batch {
 
     const ShadingPoint& at(size_t i) const { return points[i]; }
     bool on_mesh(size_t i) const { return points[i].instance != kNothing; }
+    /// False within a body (medium points), where there is no triangle to interpolate on.
+    bool on_triangle(size_t i) const { return on_mesh(i) && points[i].triangle != kNothing; }
     const InstanceFrame& frame(size_t i) const { return on_mesh(i) ? scene.surfaces->frame(points[i].instance) : points[i].lamp ? *points[i].lamp : kIdentityFrame; }
     const Mesh& mesh(size_t i) const { return scene.surfaces->mesh_of(points[i].instance); }
     const Instance& instance(size_t i) const { return scene.surfaces->instances()[points[i].instance]; }
@@ -51,14 +53,15 @@ struct Batch {
             const Transform& m = s.lamp->world_to_object;
             return s.distance < std::numeric_limits<float>::max() ? m.point(s.p) : m.vector(s.p);  // a sun's position is a direction
         }
-        const Mesh& m = mesh(i);
         const ShadingPoint& s = points[i];
+        if (!on_triangle(i)) return frame(i).world_to_object.point(s.p);
+        const Mesh& m = mesh(i);
         const auto& t = m.triangles[s.triangle];
         return m.positions[t[0]] * (1 - s.u - s.v) + m.positions[t[1]] * s.u + m.positions[t[2]] * s.v;
     }
     UvTriangle uv_corners(size_t i) const {
         UvTriangle r;
-        if (!on_mesh(i)) return r;
+        if (!on_triangle(i)) return r;
         const Mesh& m = mesh(i);
         if (m.uv.size() < 3 * m.triangles.size()) return r;
         r.present = true;
@@ -134,7 +137,7 @@ struct Batch {
         return {(p * c - q * b) / det, (q * a - p * b) / det, 0};
     }
     Vec3f tangent_object(size_t i) const {
-        if (!on_mesh(i)) return {1, 0, 0};
+        if (!on_triangle(i)) return {1, 0, 0};
         const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
         const ShadingPoint& s = points[i];
         if (!table.tangents.empty()) {
@@ -147,6 +150,7 @@ struct Batch {
     }
     /// Stored tangent of a UV map, interpolated: `own` of the map, or the mesh's where it is null. Zero without either.
     Vec3f map_tangent(size_t i, const Tangents* own) const {
+        if (!on_triangle(i)) return Vec3f(0.f);
         const ShadingPoint& s = points[i];
         const auto& corners = own ? own->tangents : scene.surfaces->tables_of(s.instance).tangents().tangents;
         if (corners.size() < 3 * (size_t{s.triangle} + 1)) return Vec3f(0.f);
@@ -155,7 +159,7 @@ struct Batch {
     }
     /// Interpolated in object space, not normalised: how far it is from unit length matters to tangent-space maps.
     Vec3f normal_object(size_t i) const {
-        if (!on_mesh(i)) return Vec3f(0.f);
+        if (!on_triangle(i)) return Vec3f(0.f);
         const ShadingPoint& s = points[i];
         const Mesh& m = mesh(i);
         if (!m.smooth.empty() && !m.smooth[s.triangle]) return Vec3f(0.f);  // flat: the node takes N
@@ -168,7 +172,7 @@ struct Batch {
         return sum;
     }
     float edge_distance(size_t i) const {
-        if (!on_mesh(i)) return 0;
+        if (!on_triangle(i)) return 0;
         const auto p = scene.surfaces->world_triangle(points[i].instance, points[i].triangle);
         float nearest = std::numeric_limits<float>::infinity();
         for (int k = 0; k < 3; ++k) {
@@ -185,7 +189,7 @@ struct Batch {
         return dot(t, t) > 0 ? t : frame_about(n).x;
     }
     float tangent_sign(size_t i) const {
-        if (!on_mesh(i)) return 1;
+        if (!on_triangle(i)) return 1;
         const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
         return table.signs.empty() ? 1 : table.signs[size_t{3} * points[i].triangle];
     }
@@ -273,14 +277,14 @@ float Batch::scalar(Global g, size_t i) const {
         case Global::FootprintArea: return s.footprint * s.footprint;
         case Global::ObjectIndex: return on_mesh(i) ? static_cast<float>(instance(i).pass_index) : 0.f;
         case Global::MaterialIndex: {
-            if (!on_mesh(i)) return 0;
+            if (!on_triangle(i)) return 0;
             const uint32_t m = scene.surfaces->material(s.instance, s.triangle);
             return m < scene.material_pass_index.size() ? static_cast<float>(scene.material_pass_index[m]) : 0.f;
         }
         case Global::ObjectRandom: return on_mesh(i) ? instance(i).random : 0.f;
-        case Global::IslandRandom: return on_mesh(i) ? scene.surfaces->tables_of(s.instance).island_random()[s.triangle] : 0.f;
+        case Global::IslandRandom: return on_triangle(i) ? scene.surfaces->tables_of(s.instance).island_random()[s.triangle] : 0.f;
         case Global::Pointiness: {
-            if (!on_mesh(i)) return 0;
+            if (!on_triangle(i)) return 0;
             const auto& table = scene.surfaces->tables_of(s.instance).pointiness();
             const auto& t = mesh(i).triangles[s.triangle];
             return table[t[0]] * (1 - s.u - s.v) + table[t[1]] * s.u + table[t[2]] * s.v;
@@ -426,11 +430,11 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                         continue;
                     }
                     case InputPlan::Part::TangentSign:
-                        out[i] = !on_mesh || !e.tangents_by_mesh[m] ? batch.tangent_sign(i) : e.tangents_by_mesh[m]->signs[size_t{3} * s.triangle];
+                        out[i] = !batch.on_triangle(i) || !e.tangents_by_mesh[m] ? batch.tangent_sign(i) : e.tangents_by_mesh[m]->signs[size_t{3} * s.triangle];
                         continue;
                     case InputPlan::Part::StepX:
                     case InputPlan::Part::StepY:
-                        if (a) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, batch.corner_steps(i, e.part == InputPlan::Part::StepY).weight, v);
+                        if (a && batch.on_triangle(i)) interpolate(*a, scene.surfaces->mesh_of(s.instance), s, batch.corner_steps(i, e.part == InputPlan::Part::StepY).weight, v);
                         for (int c = 0; c < width; ++c) out[rows * c + i] = c < 3 && a ? converted(v, a->channels, width, c) : 0.f;
                         continue;
                     case InputPlan::Part::Value: break;

@@ -193,6 +193,7 @@ class Worker {
     void shade_surfaces();
     void shade_batch(const SceneProgram& program, const RenderPlan::SurfacePrograms& programs, bool with_aovs, std::span<const uint32_t> paths);
     void gather_lobes(const Program& program);
+    void add_interior(const Lobe<float>& lobe);
     std::span<Lobe<float>> load_lobes(const Path& path, size_t i);
     bool shade_point(Path& path, uint32_t index, const ShadingPoint& point, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
     void record_data(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);

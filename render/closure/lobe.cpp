@@ -342,7 +342,7 @@ BsdfEval<T> eval_shape(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi)
         const T p = phase_value(l, view.wo, wi);
         return {Vec3<T>(p), p};
     }
-    if (!scatters(spec)) return {};
+    if (!scatters(spec) || spec.kind == LobeKind::RayPortal) return {};
     // The light must be on the same side of the lobe's normal and of the geometry, and on the side the lobe scatters to.
     const T nl = dot(l.n, wi), gl = dot(view.ng, wi);
     if (spec.kind == LobeKind::MicrofacetGlass) {
@@ -383,7 +383,7 @@ Lobe<T> load_lobe(const LobeSpec& spec, const Channel<T>* channels, size_t i) {
 
 template <class T>
 bool is_delta(const Lobe<T>& l) {
-    if (l.spec->kind == LobeKind::Transparent || l.spec->is_subsurface()) return true;
+    if (l.spec->kind == LobeKind::Transparent || l.spec->kind == LobeKind::RayPortal || l.spec->is_subsurface()) return true;
     if (l.spec->kind == LobeKind::AshikhminShirley) return closure::Phong<T>(l).is_delta();
     return l.spec->is_microfacet() && closure::MicrofacetLobe<T>(l).facets.is_delta();
 }
@@ -406,6 +406,16 @@ BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T 
         s.weight = closure::bounded(l.weight);
         s.pdf = 1;
         s.is_delta = s.is_transmission = s.valid = true;
+        s.roughness = 0;
+        return s;
+    }
+    if (l.spec->kind == LobeKind::RayPortal) {
+        const Vec3<T> direction(l.p[3], l.p[4], l.p[5]);
+        s.wi = closure::is_zero(direction) ? -view.wo : safe_normalize(direction);
+        s.weight = closure::bounded(l.weight);
+        s.pdf = 1;
+        s.is_delta = s.is_transmission = true;
+        s.valid = dot(s.wi, s.wi) > T(0.5);
         s.roughness = 0;
         return s;
     }

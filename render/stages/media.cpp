@@ -28,6 +28,7 @@ ShadingPoint medium_point(Vec3f origin, Vec3f direction, float t, uint32_t insta
     s.p = origin + direction * t;
     s.n = s.ng = s.wo = -direction;
     s.instance = instance;
+    s.triangle = kNothing;
     s.distance = t;
     return s;
 }
@@ -85,8 +86,11 @@ void Worker::cross(InsideOf* inside, uint8_t& count, const ShadingPoint& point, 
     if (interior || point.backfacing) {
         InsideOf m{point.instance, kInterior};
         if (interior) {
-            m.extinction = interior->weight;
-            m.scattering = {interior->p[0], interior->p[1], interior->p[2]};
+            // A layer's share weighs the extinction only: scattering is never more than that.
+            for (int c = 0; c < 3; ++c) {
+                m.extinction[c] = interior->weight[c] > 0 && std::isfinite(interior->weight[c]) ? interior->weight[c] : 0.f;
+                m.scattering[c] = interior->p[c] > 0 ? std::min(interior->p[c], m.extinction[c]) : 0.f;
+            }
             m.anisotropy = interior->p[3];
         }
         if (!cross_boundary(inside, count, depth, m, point.backfacing)) ++counters_.media_ignored;

@@ -121,8 +121,7 @@ void Worker::shade_shadow_batch(const SceneProgram* program, std::span<const uin
             if (lobe.spec.kind == LobeKind::Interior && plan_->media) {
                 Channel<float> channels[16];
                 for (int c = 0; c < lobe.spec.channels(); ++c) channels[c] = executor_.channel(lobe.register_first + c);
-                interior_ = load_lobe(lobe.spec, channels, k);
-                has_interior_ = true;
+                add_interior(load_lobe(lobe.spec, channels, k));
             }
             if (lobe.spec.kind != LobeKind::Transparent) continue;
             for (int c = 0; c < 3; ++c) {

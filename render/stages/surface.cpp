@@ -6,6 +6,18 @@
 #include "render/worker.h"
 
 namespace alder {
+namespace {
+
+/// Portals are looked through as transparent surfaces are.
+Vec3f seen_through(const Bsdf<float>& bsdf) {
+    Vec3f sum(0.f);
+    for (const Lobe<float>& l : bsdf.lobes())
+        if (l.spec->kind == LobeKind::Transparent || l.spec->kind == LobeKind::RayPortal) sum += l.weight;
+    return sum;
+}
+
+}  // namespace
+
 void Worker::shade_surfaces() {
     for (size_t key = 0; key + 1 < key_count_.size(); ++key) {
         const size_t first = key_count_[key], last = key_count_[key + 1];
@@ -61,6 +73,19 @@ void Worker::gather_lobes(const Program& program) {
     current_lobes_ = &program.lobes();
 }
 
+/// What lies behind a surface of several layers is their sum.
+void Worker::add_interior(const Lobe<float>& lobe) {
+    if (!has_interior_) {
+        interior_ = lobe;
+    } else {
+        const float a = average(interior_.weight), b = average(lobe.weight);
+        interior_.weight += lobe.weight;
+        for (int c = 0; c < 3; ++c) interior_.p[c] += lobe.p[c];
+        if (a + b > 0) interior_.p[3] = (interior_.p[3] * a + lobe.p[3] * b) / (a + b);
+    }
+    has_interior_ = true;
+}
+
 /// The lobes that exist at point i for this path.
 std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
     size_t count = 0;
@@ -72,11 +97,11 @@ std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
         if (c[0].p[i * c[0].stride] == 0 && c[1].p[i * c[1].stride] == 0 && c[2].p[i * c[2].stride] == 0) continue;
         if (spec.shadow_only) continue;
         if (spec.kind == LobeKind::Interior) {
-            interior_ = load_lobe(spec, c, i);
-            has_interior_ = true;
+            add_interior(load_lobe(spec, c, i));
             continue;
         }
-        const bool scatters = spec.kind != LobeKind::Emission && spec.kind != LobeKind::Transparent && spec.kind != LobeKind::Holdout;
+        const bool scatters = spec.kind != LobeKind::Emission && spec.kind != LobeKind::Transparent && spec.kind != LobeKind::Holdout &&
+                              spec.kind != LobeKind::RayPortal;
         if (scatters && path.flags & kLastVertex) continue;
         if (path.flags & kDiffuseBefore && spec.is_microfacet()) {
             const bool refracts = spec.kind == LobeKind::MicrofacetTransmission;
@@ -100,7 +125,7 @@ bool Worker::shade_point(Path& path, uint32_t index, const ShadingPoint& point, 
     if (program.facts().has_emission) emit(path, point, bsdf);
     if (!(path.flags & kScattered))
         if (const Vec3f holdout = bsdf.holdout(); !is_black(holdout)) row(path.slot)[a.alpha] -= average(holdout * path.throughput);
-    if (!(path.flags & kDataDone) && average(bsdf.transparency()) <= 0.5f) {  // Cycles' pass alpha threshold
+    if (!(path.flags & kDataDone) && average(seen_through(bsdf)) <= 0.5f) {  // Cycles' pass alpha threshold
         path.flags |= kDataDone;
         if (a.any_data || a.any_color || with_aovs) record_data(path, point, bsdf, programs, program, with_aovs, i);
     }
@@ -217,6 +242,22 @@ bool Worker::scatter(Path& path, uint32_t index, const ShadingPoint& point, cons
         return path.t_min < path.t_max;
     }
 
+    if (spec.kind == LobeKind::RayPortal) {
+        // Light sampling does not find the way through, so that what the ray meets counts in full.
+        if (++h.transparent > settings.transparent_bounces) return false;
+        const auto& p = bsdf.lobes()[s.lobe].p;
+        const Vec3f to(p[0], p[1], p[2]);
+        if (!is_finite(to)) return false;
+        if (plan_->media) cross(inside(index), path.media, point, nullptr);
+        const Vec3f step = to - point.p;
+        h.origin = dot(step, step) > 1e-9f ? to : leave_surface(point, s.wi);
+        h.direction = s.wi;
+        path.footprint = point.footprint;
+        path.scatter_pdf = 0;
+        path.t_min = 0;
+        path.t_max = std::numeric_limits<float>::max();
+        return true;
+    }
     if (spec.kind == LobeKind::MicrofacetGlass && path.flags & kDiffuseBefore &&
         !(s.is_transmission ? settings.caustics_refractive : settings.caustics_reflective))
         return false;

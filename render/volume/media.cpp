@@ -60,6 +60,7 @@ ShadingPoint point_within(uint32_t instance, Vec3f p) {
     s.p = p;
     s.n = s.ng = s.wo = Vec3f(0, 0, 1);
     s.instance = instance;
+    s.triangle = kNothing;
     return s;
 }
 
