@@ -219,12 +219,19 @@ double AovPlan::estimated_error(const FilmTotals& film, size_t pixels) const {
     return std::sqrt(sum / static_cast<double>(kept));
 }
 
-std::vector<Layer> AovPlan::layers(const FilmTotals& film, size_t pixels) const {
+std::vector<std::string> AovPlan::names() const {
+    std::vector<std::string> names;
+    for (const Output& o : outputs_) names.push_back(o.name);
+    return names;
+}
+
+std::vector<Layer> AovPlan::layers(const FilmTotals& film, size_t pixels, const std::vector<std::string>* only) const {
     std::vector<Layer> result;
     const int stride = film_row();
     const int after_sums = film_sums() - sums;  // minima and firsts lie behind the derived sums
     const float inverse = film.samples > 0 ? 1.f / static_cast<float>(film.samples) : 0.f;
     for (const Output& o : outputs_) {
+        if (only && !o.name.empty() && std::find(only->begin(), only->end(), o.name) == only->end()) continue;
         Layer layer{o.name, o.channels, o.data, {}};
         for (size_t c = 0; c < o.channels.size(); ++c) {
             std::vector<float> plane(pixels, 0.f);

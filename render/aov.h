@@ -69,7 +69,9 @@ class AovPlan {
         uint64_t samples = 0;
         uint64_t whole_leaves = 0;  ///< 0 where not all samples lie in whole leaves
     };
-    std::vector<Layer> layers(const FilmTotals& film, size_t pixels) const;
+    /// only: beauty and these.
+    std::vector<Layer> layers(const FilmTotals& film, size_t pixels, const std::vector<std::string>* only = nullptr) const;
+    std::vector<std::string> names() const;
     /// Root mean square of the relative error over all pixels but the worst 0.1 %.
     double estimated_error(const FilmTotals& film, size_t pixels) const;
 

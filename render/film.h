@@ -5,6 +5,7 @@
 // rendered, and its total adds that cover from the left; a run of samples that does not fill a leaf is its own leaf.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -49,7 +50,7 @@ class Film {
 
     /// Sums of a leaf that is filled by several passes; empty unless asked for. LeafSum::size() doubles a pixel.
     std::vector<double>& open_leaf(size_t doubles_per_pixel);
-    bool has_open_leaf() const { return !open_.empty(); }
+    const std::vector<double>& open_leaf() const { return open_; }
     void close_leaf() { open_.clear(); }
 
     /// The total over all that was committed. The open leaf is not part of it.
@@ -57,8 +58,11 @@ class Film {
     uint64_t samples() const { return samples_; }
     /// Whole leaves, or 0 if some samples lie in a partial one.
     uint64_t whole_leaves() const { return samples_ == whole_ * kLeafSamples ? whole_ : 0; }
+    /// Everything but pass_rows(), for a checkpoint (film_file.cpp).
+    void save(const std::function<void(const void*, size_t)>& write) const;
 
   private:
+    friend class ProgressiveRender;  // loads it
     struct Node {
         uint64_t first, leaves;
         bool whole;

@@ -40,7 +40,6 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
     inputs = {s.surfaces.get(), &camera, s.material_pass_index};
     media = MediaPlan::make(s.materials, s.world->volume.get(), inputs, s.scene->camera.to_world.point(Vec3f(0.f)), s.workers->context());
 
-    std::vector<std::string> graph_aovs;
     for (const auto& m : s.materials)
         if (m->material.graph)
             for (const std::string& name : m->material.graph->aov_names()) graph_aovs.push_back(name);
@@ -61,7 +60,7 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
         }
         owned_.push_back(std::move(program));
     }
-    aovs = std::make_unique<AovPlan>(names, scene_aovs);
+    aovs = std::make_shared<AovPlan>(names, scene_aovs);
     for (size_t i = 0; i < s.materials.size(); ++i)
         for (const std::string& name : present[i])
             for (size_t u = 0; u < aovs->user.size(); ++u)

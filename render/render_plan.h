@@ -23,7 +23,8 @@ struct RenderPlan {
     int crop_x = 0, crop_y = 0, width = 0, height = 0;  ///< data window
     CameraModel camera;
     PixelFilter filter;
-    std::unique_ptr<const AovPlan> aovs;
+    std::shared_ptr<const AovPlan> aovs;           ///< shared with pictures, which outlive the render
+    std::vector<std::string> graph_aovs;             ///< what the materials compute
     InputScene inputs;
     std::unique_ptr<const MediaPlan> media;  ///< null: the scene has none
     SurfaceQuery query;  ///< for nodes that cast rays

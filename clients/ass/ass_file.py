@@ -3,11 +3,13 @@
     nodes = read("test_als_glass.ass")          # {name: Node}
     nodes["TARGET_SURFACE"].params["diffuseColor"]   # a Value: its words as written, and the line it stands on
 
-Values are kept as words, because only the node's type tells what they mean. Base-85 arrays are passed over: the name stays, the
-data does not. alShaders specification, section 13.2.
+Values are kept as words, because only the node's type tells what they mean. Base-85 data is kept as text beside them (Value.data);
+array() decodes it. alShaders specification, section 13.2.
 """
 import gzip
+import os
 import re
+import struct
 
 
 class AssError(Exception):
@@ -27,7 +29,8 @@ class Value:
     def __init__(self, words, line, skipped=False):
         self.words = words
         self.line = line
-        self.skipped = skipped  # base-85 data that was passed over
+        self.skipped = skipped  # what follows the words is base-85 data
+        self.data = []          # its lines
 
     def numbers(self):
         """The words as numbers, or None if one is not a number."""
@@ -71,6 +74,103 @@ def _words(line, place):
     return words
 
 
+CELLS = {"UINT": 1, "INT": 1, "FLOAT": 1, "BYTE": 1, "POINT2": 2, "VECTOR2": 2, "POINT": 3, "VECTOR": 3, "RGB": 3, "RGBA": 4, "MATRIX": 16}
+TOKEN = re.compile(r"z|y|!.{10}|.{5}", re.DOTALL)
+
+
+def words85(text):
+    """The 32-bit words of base-85 text: five digits, most significant first; z is 0, y the float 1, ! a run."""
+    def digits(five):
+        word = 0
+        for c in five:
+            digit = ord(c) - 36
+            if not 0 <= digit < 85:
+                raise AssError("'%s' is no base-85 digit" % c)
+            word = word * 85 + digit
+        if word > 0xFFFFFFFF:
+            raise AssError("'%s' is more than 32 bits" % five)
+        return word
+
+    text = "".join(text.split())
+    out, end = [], 0
+    for match in TOKEN.finditer(text):
+        if match.start() != end:
+            break
+        end, token = match.end(), match.group()
+        if token == "z":
+            out.append(0)
+        elif token == "y":
+            out.append(0x3F800000)
+        elif token[0] == "!":
+            count = digits(token[6:])
+            if len(out) + count > 1 << 30:
+                raise AssError("a run of %d words" % count)
+            out.extend([digits(token[1:6])] * count)
+        else:
+            out.append(digits(token))
+    if end != len(text):
+        raise AssError("base-85 data ends within a word: '%s'" % text[end:end + 10])
+    return out
+
+
+def array(value):
+    """Numbers of an array parameter, flat, as written or in base 85; None where the words are no array of numbers. The first key
+    only: value.keys says how many there were."""
+    words = value.words
+    if len(words) < 3 or not (words[0].isdigit() and words[1].isdigit()):
+        return None
+    count, keys, kind = int(words[0]), int(words[1]), str(words[2])
+    base85 = kind.startswith("b85")
+    cells = CELLS.get(kind[3:] if base85 else kind)
+    if cells is None:
+        return None
+    value.keys = keys
+    wanted = count * cells
+    if not base85:
+        try:
+            numbers = [float(w) for w in words[3:]]
+        except ValueError as e:
+            raise AssError("line %d: %s" % (value.line, e)) from None
+    else:
+        text = " ".join(list(words[3:]) + value.data).strip()
+        whole = kind[3:] in ("UINT", "INT", "BYTE")
+        packed = whole and text[:1] == "B"
+        try:
+            bits = words85(text[1:] if packed else text)
+        except AssError as e:
+            raise AssError("line %d: %s" % (value.line, e)) from None
+        raw = struct.pack("<%dI" % len(bits), *bits)
+        numbers = list(raw) if packed else bits if whole else list(struct.unpack("<%df" % len(bits), raw))
+    if len(numbers) < wanted * keys:
+        raise AssError("line %d: %d of %d numbers of an array" % (value.line, len(numbers), wanted * keys))
+    return numbers[:wanted]
+
+
+def read_all(path, report):
+    """The file and what it includes, searched beside it; report(text) tells of what is not there."""
+    nodes, seen = Nodes(), set()
+
+    def add(name, by):
+        real = os.path.realpath(name)
+        if real in seen:
+            return
+        seen.add(real)
+        part = read(name)
+        for include in part.includes:
+            found = [p for p in (include, os.path.join(os.path.dirname(name), include), os.path.join(os.path.dirname(name), os.path.basename(include)))
+                     if os.path.isfile(p)]
+            if found:
+                add(found[0], name)
+            else:
+                report("include %s of %s is not there" % (include, os.path.basename(name)))
+        for key, node in part.items():
+            if key in nodes:
+                report("%s is in several files; that of %s counts" % (key, os.path.basename(name)))
+            nodes[key] = node
+    add(path, None)
+    return nodes
+
+
 def read(path):
     with open(path, "rb") as f:
         data = f.read()
@@ -91,6 +191,7 @@ def parse(text, path="<text>"):
     for number, line in enumerate(lines, 1):
         if skipping:  # base-85 data runs to an empty line or the end of the block
             if line.strip() and line.strip() != "}":
+                current.data.append(line)
                 continue
             skipping = False
         words = _words(line, place(number))
@@ -135,6 +236,7 @@ def parse(text, path="<text>"):
                 current.words.append(word)
                 if plain and word.startswith("b85"):
                     current.skipped = skipping = True
+                    current.data.append(line.split(str(word), 1)[1])
                     words = []
             first = False
     if node is not None or kind is not None:

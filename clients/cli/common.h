@@ -54,6 +54,8 @@ Run add_validate(CLI::App& app);
 Run add_render(CLI::App& app);
 Run add_preview(CLI::App& app);
 Run add_merge(CLI::App& app);
+Run add_diff(CLI::App& app);
+Run add_ci(CLI::App& app);
 Run add_graph(CLI::App& app);
 
 }  // namespace alder::cli

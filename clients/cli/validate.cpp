@@ -7,6 +7,7 @@
 #include "clients/cli/common.h"
 #include "graph/json_text.h"
 #include "graph/report.h"
+#include "render/import/scene_document.h"
 
 namespace alder::cli {
 namespace {
@@ -16,12 +17,31 @@ struct Options {
     bool lenient = false, json = false;
 };
 
+bool is_scene(const std::string& file, const std::optional<nlohmann::json>& document) {
+    const size_t dot = file.rfind('.');
+    const std::string extension = dot == std::string::npos ? "" : file.substr(dot);
+    return extension == ".alder" || extension == ".glb" || extension == ".gltf" || (document && document->is_object() && document->contains("alder_scene"));
+}
+
+/// A scene is loaded with all its graphs and arrays; nothing is built or rendered.
+nlohmann::json check_scene(const std::string& file, bool lenient) {
+    Diagnostics d;
+    SceneLoadOptions options;
+    options.lenient = lenient;
+    const auto scene = load_scene(file, options, d);
+    nlohmann::json report{{"ok", scene && d.ok()}, {"errors", to_json(d.errors)}, {"warnings", to_json(d.warnings)}};
+    if (scene) report["scene"] = {{"materials", scene->materials.size()}, {"meshes", scene->meshes.size()}, {"instances", scene->instances.size()}, {"lights", scene->lights.size()}};
+    return report;
+}
+
 nlohmann::json check(const std::string& file, bool lenient) {
+    if (is_scene(file, std::nullopt)) return check_scene(file, lenient);
     Diagnostics d;
     std::shared_ptr<const Material> material;
     JsonLimits limits;
     limits.string_bytes = size_t{1} << 30;
     if (auto document = parse_json(read_text(file), limits, d)) {
+        if (file != "-" && is_scene(file, document)) return check_scene(file, lenient);
         MaterialOptions options;
         options.lenient = lenient;
         options.resolve_image = image_resolver(file);
@@ -48,6 +68,11 @@ int run(const Options& o) {
                                    e.value("path", std::vector<std::string>{})};
                 fmt::print(stderr, "alder: {}{}: {}\n", kind[0] == 'w' ? "warning: " : "", file, d.line());
             }
+        if (report["ok"].get<bool>() && report.contains("scene")) {
+            const auto& c = report["scene"];
+            fmt::print("{}: good; {} meshes, {} instances, {} lights, {} materials\n", file, c["meshes"].get<size_t>(), c["instances"].get<size_t>(), c["lights"].get<size_t>(),
+                       c["materials"].get<size_t>());
+        }
         if (report["ok"].get<bool>() && report.contains("compiled")) {
             const auto& c = report["compiled"];
             fmt::print("{}: good; {} of {} nodes live, {} instructions, {} values folded\n", file, c["live_nodes"].get<int>(), c["nodes"].get<int>(),
@@ -62,10 +87,10 @@ int run(const Options& o) {
 
 Run add_validate(CLI::App& app) {
     auto o = std::make_shared<Options>();
-    CLI::App* c = app.add_subcommand("validate", "what is wrong with graphs, without rendering");
-    c->add_option("FILE", o->files, "graph documents; - is standard input")->required();
+    CLI::App* c = app.add_subcommand("validate", "what is wrong with graphs and scenes, without rendering");
+    c->add_option("FILE", o->files, "graph documents and scenes (.json, .alder, .glb, .gltf); - is standard input")->required();
     c->add_flag("--lenient", o->lenient, "unknown parameters are warnings");
-    c->add_flag("--json", o->json, "reports as POST /v1/graphs/validate answers, by file");
+    c->add_flag("--json", o->json, "reports by file; of graphs as POST /v1/graphs/validate answers");
     return [o] { return run(*o); };
 }
 
