@@ -124,6 +124,7 @@ void Access::check(http::Request& request, unsigned scope) const {
         if (CRYPTO_memcmp(token.digest_hex.data(), digest.data(), digest.size()) == 0) match = &token;
     if (!match) throw challenge("token-invalid", "");
     request.user = match->name;
+    request.sees_all = (match->scopes & kScopeAdmin) != 0;
     if ((match->scopes & scope) != scope)
         throw Problem{"scope-missing", fmt::format("the scope '{}' is needed", scope_name(scope))};
 }

@@ -20,19 +20,6 @@ std::string hex_of(http::Request& request) {
     return hex;
 }
 
-/// RFC 9530: sha-256=:BASE64:
-std::string content_digest(const std::string& hex) {
-    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string raw, out;
-    for (size_t i = 0; i < hex.size(); i += 2) raw.push_back(static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16)));
-    for (size_t i = 0; i < raw.size(); i += 3) {
-        unsigned bits = 0;
-        for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < raw.size() ? static_cast<unsigned char>(raw[i + k]) : 0u);
-        for (size_t k = 0; k < 4; ++k) out.push_back(i + k <= raw.size() ? kDigits[bits >> (18 - 6 * k) & 63] : '=');
-    }
-    return "sha-256=:" + out + ":";
-}
-
 }  // namespace
 
 http::Response get_asset(Service& s, http::Request& request) {
@@ -55,7 +42,7 @@ http::Response get_asset(Service& s, http::Request& request) {
         r.status = 206;
         r.set("Content-Range", fmt::format("bytes {}-{}/{}", range->first, range->first + range->length - 1, *size));
     } else {
-        r.set("Content-Digest", content_digest(hex));
+        r.set("Content-Digest", digest_header(hex));
     }
     const int fd = ::open(s.assets.path(hex).c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) throw Problem{"not-found", "the asset is not in the store"};
@@ -74,6 +61,7 @@ http::Response put_asset(Service& s, http::Request& request) {
     if (const std::string* coding = request.header("content-encoding"); coding && *coding != "identity")
         throw Problem{"media-type", fmt::format("Content-Encoding '{}' is not accepted", *coding)};
     if (request.header("content-range")) throw Problem{"malformed-request", "PUT takes the whole asset, not a part"};
+    if (s.assets.has(hex)) s.assets.touch(hex);
     if (s.assets.has(hex)) return known(200);   // before the body: a client that said Expect need not send it
 
     const uint64_t limit = static_cast<uint64_t>(s.options.asset_gib) << 30;
@@ -119,6 +107,11 @@ http::Response delete_asset(Service& s, http::Request& request) {
         p.extra["scene"] = scene;
         throw p;
     }
+    if (const std::string render = s.renders.store().user_of("sha256:" + hex); !render.empty()) {
+        Problem p{"in-use", fmt::format("the render {} refers to it", render)};
+        p.extra["render"] = render;
+        throw p;
+    }
     s.assets.remove(hex);
     http::Response r;
     r.status = 204;
@@ -140,6 +133,8 @@ http::Response post_assets_missing(Service& s, http::Request& request) {
             d.errors.push_back({fmt::format("/digests/{}", i), "wrong-type", brief(digests[i]), "sha256: and 64 lower-case hexadecimal digits", {}});
         else if (!s.assets.has(hex))
             missing.push_back(digests[i]);
+        else
+            s.assets.touch(hex);   // who is told that it is there relies on it
     }
     if (!d.ok()) throw problem_from("request-invalid", d);
     return json_response(200, {{"missing", std::move(missing)}});

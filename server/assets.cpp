@@ -62,6 +62,8 @@ bool write_durably(const std::string& path, std::string_view bytes) {
 struct AssetStore::Upload::Impl {
     std::string folder, temporary;
     int fd = -1;
+    uint64_t bytes = 0;
+    std::atomic<uint64_t>* total = nullptr;
     Sha256 hash;
     ~Impl() {
         if (fd >= 0) ::close(fd);
@@ -71,13 +73,14 @@ struct AssetStore::Upload::Impl {
 AssetStore::Upload::Upload(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 AssetStore::Upload::~Upload() = default;
 
-AssetStore::AssetStore(std::string folder) : folder_(std::move(folder)) {
+AssetStore::AssetStore(std::string folder, bool owner) : folder_(std::move(folder)) {
     std::error_code code;
     fs::create_directories(folder_ + "/incoming", code);
     if (code) {
         error_ = fmt::format("cannot make {}: {}", folder_, code.message());
         return;
     }
+    if (!owner) return;
     for (const auto& entry : fs::directory_iterator(folder_ + "/incoming", code)) fs::remove(entry.path(), code);   // of a killed run
 }
 
@@ -90,7 +93,45 @@ std::optional<uint64_t> AssetStore::size(const std::string& hex) const {
 }
 bool AssetStore::remove(const std::string& hex) { return ::unlink(path(hex).c_str()) == 0; }
 
+void AssetStore::touch(const std::string& hex) const { ::utimensat(AT_FDCWD, path(hex).c_str(), nullptr, 0); }
+
+bool AssetStore::adopt(const std::string& file, const std::string& hex) {
+    const auto size = fs::path(file).empty() ? 0 : fs::file_size(file);
+    const std::string folder = fmt::format("{}/{}", folder_, hex.substr(0, 2));
+    const bool made = ::mkdir(folder.c_str(), 0755) == 0;
+    if (!made && errno != EEXIST) return false;
+    if (made && !sync_folder(folder_)) return false;
+    if (::rename(file.c_str(), path(hex).c_str()) != 0 || !sync_folder(folder)) return false;
+    touch(hex);
+    bytes_ += size;
+    return true;
+}
+
+uint64_t AssetStore::collect(double seconds, const std::function<bool(const std::string&)>& wanted) {
+    uint64_t kept = 0, removed = 0;
+    const auto is_old = [&](const struct stat& info) { return static_cast<double>(time(nullptr) - info.st_mtime) > seconds; };
+    std::error_code code;
+    for (fs::directory_iterator folder(folder_, code), end; !code && folder != end; folder.increment(code)) {
+        const std::string name = folder->path().filename().string();
+        const bool uploads = name == "uploads";
+        if (name.size() != 2 && !uploads) continue;
+        std::error_code inner;
+        for (fs::directory_iterator file(folder->path(), inner), last; !inner && file != last; file.increment(inner)) {
+            struct stat info {};
+            if (::stat(file->path().c_str(), &info) != 0) continue;
+            const std::string hex = file->path().filename().string();
+            // Looked at again after `wanted`, which takes its time: who was told meanwhile that it is there has touched it.
+            const bool rubbish = is_old(info) && (uploads || !wanted(hex)) && ::stat(file->path().c_str(), &info) == 0 && is_old(info);
+            if (rubbish && ::unlink(file->path().c_str()) == 0) removed += static_cast<uint64_t>(info.st_size);
+            else kept += static_cast<uint64_t>(info.st_size);
+        }
+    }
+    bytes_ = kept;
+    return removed;
+}
+
 bool AssetStore::has_room(uint64_t bytes) const {
+    if (quota_ > 0 && bytes_ + bytes > quota_) return false;
     struct statvfs disk{};
     if (statvfs(folder_.c_str(), &disk) != 0) return false;
     const uint64_t free_bytes = static_cast<uint64_t>(disk.f_bavail) * disk.f_frsize;
@@ -101,6 +142,7 @@ bool AssetStore::has_room(uint64_t bytes) const {
 std::unique_ptr<AssetStore::Upload> AssetStore::begin() {
     auto impl = std::make_unique<Upload::Impl>();
     impl->folder = folder_;
+    impl->total = &bytes_;
     const std::string name = temporary_name(folder_ + "/incoming");
     impl->fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (impl->fd < 0) return nullptr;
@@ -110,6 +152,7 @@ std::unique_ptr<AssetStore::Upload> AssetStore::begin() {
 
 bool AssetStore::Upload::write(std::string_view bytes) {
     impl_->hash.update(bytes);
+    impl_->bytes += bytes.size();
     return write_all(impl_->fd, bytes);
 }
 std::string AssetStore::Upload::hex() { return impl_->hash.hex(); }
@@ -122,6 +165,7 @@ bool AssetStore::Upload::commit(const std::string& hex) {
     if (made && !sync_folder(impl_->folder)) return false;
     if (::rename(impl_->temporary.c_str(), fmt::format("{}/{}", folder, hex).c_str()) != 0) return false;
     impl_->temporary.clear();
+    *impl_->total += impl_->bytes;
     return sync_folder(folder);
 }
 

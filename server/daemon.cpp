@@ -5,6 +5,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 
@@ -19,6 +21,12 @@ Daemon::Daemon(const ServiceOptions& options) : options_(options) {}
 Daemon::~Daemon() {
     stop();
     if (warmer_.joinable()) warmer_.join();
+    {
+        const std::lock_guard lock(cleaner_mutex_);
+        cleaner_ends_ = true;
+        cleaner_wake_.notify_all();
+    }
+    if (cleaner_.joinable()) cleaner_.join();
     door_.reset();      // its threads use the service
     service_.reset();
     if (lock_ >= 0) ::close(lock_);
@@ -46,6 +54,7 @@ std::optional<Daemon::StartError> Daemon::start() {
     service_ = std::make_unique<Service>(options_);
     if (!service_->assets.error().empty()) return StartError{3, service_->assets.error()};
     if (!service_->scenes.error().empty()) return StartError{3, service_->scenes.error()};
+    if (const std::string error = service_->renders.start(); !error.empty()) return StartError{3, error};
     service_->access.check_host = loopback && options_.listen.rfind("unix:", 0) != 0;
     if (!options_.token_file.empty())
         if (const std::string error = service_->access.load_tokens(options_.token_file); !error.empty()) return wrong(error);
@@ -57,10 +66,29 @@ std::optional<Daemon::StartError> Daemon::start() {
     if (!options_.port_file.empty() && !write_durably(options_.port_file, door_->address() + "\n"))
         return StartError{3, fmt::format("cannot write {}", options_.port_file)};
     door_->start();
+    cleaner_ = std::thread([this] { clean_assets(); });
     return std::nullopt;
 }
 
+void Daemon::clean_assets() {
+    std::unique_lock lock(cleaner_mutex_);
+    while (!cleaner_ends_) {
+        lock.unlock();
+        try {
+            const uint64_t removed = service_->assets.collect(options_.asset_ttl, [this](const std::string& hex) {
+                return !service_->scenes.user_of("sha256:" + hex).empty() || service_->renders.store().names("sha256:" + hex);
+            });
+            if (removed > 0) log_event("info", "assets removed", {{"bytes", removed}});
+        } catch (const std::exception& e) {
+            log_event("error", "assets cannot be cleaned", {{"what", e.what()}});
+        }
+        lock.lock();
+        cleaner_wake_.wait_for(lock, std::chrono::duration<double>(std::clamp(options_.asset_ttl / 4, 0.2, 3600.0)), [&] { return cleaner_ends_; });
+    }
+}
+
 void Daemon::warm_up() {
+    service_->renders.warm_up();
     warmer_ = std::thread([this] {
         try {
             service_->engine.warm_up();
@@ -75,7 +103,9 @@ void Daemon::warm_up() {
 bool Daemon::stop() {
     if (!service_ || !door_) return true;
     service_->draining = true;
-    return door_->stop(options_.stop_seconds);
+    const auto start = std::chrono::steady_clock::now();
+    service_->renders.stop(options_.stop_seconds / 2);   // who waits for a render is answered now: it is on disk and goes on later
+    return door_->stop(options_.stop_seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 }  // namespace alder

@@ -1,6 +1,8 @@
 // Daemon: the service behind its door, from checked options to a clean stop. What main() runs, and tests start in-process.
 #pragma once
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -35,6 +37,11 @@ class Daemon {
     std::unique_ptr<Service> service_;
     std::unique_ptr<http::Door> door_;
     std::thread warmer_;
+    std::thread cleaner_;       ///< removes assets that nothing refers to
+    std::mutex cleaner_mutex_;
+    std::condition_variable cleaner_wake_;
+    bool cleaner_ends_ = false;
+    void clean_assets();
 };
 
 }  // namespace alder

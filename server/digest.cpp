@@ -31,6 +31,18 @@ std::string Sha256::hex() {
     return out;
 }
 
+std::string digest_header(const std::string& hex) {
+    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string raw, out;
+    for (size_t i = 0; i < hex.size(); i += 2) raw.push_back(static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16)));
+    for (size_t i = 0; i < raw.size(); i += 3) {
+        unsigned bits = 0;
+        for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < raw.size() ? static_cast<unsigned char>(raw[i + k]) : 0u);
+        for (size_t k = 0; k < 4; ++k) out.push_back(i + k <= raw.size() ? kDigits[bits >> (18 - 6 * k) & 63] : '=');
+    }
+    return "sha-256=:" + out + ":";
+}
+
 bool is_sha256_hex(std::string_view text) {
     return text.size() == 64 && std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }

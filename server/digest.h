@@ -22,6 +22,8 @@ class Sha256 {
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
+/// A digest of hexadecimal digits as Content-Digest has it (RFC 9530): sha-256=:BASE64:
+std::string digest_header(const std::string& hex);
 bool is_sha256_hex(std::string_view text);
 /// The hexadecimal part of "sha256:HEX"; empty where it is not one.
 std::string digest_hex(std::string_view name);

@@ -41,8 +41,9 @@ http::Response get_livez(Service&, http::Request&) { return http::Response::text
 
 http::Response get_readyz(Service& s, http::Request&) {
     const bool store = s.assets.error().empty(), room = s.assets.has_room(0);
-    const bool ready = store && room && !s.draining;
-    auto r = json_response(ready ? 200 : 503, {{"ready", ready}, {"checks", {{"store", store}, {"disk", room}, {"accepting", !s.draining}}}});
+    const bool worker = !s.renders.worker_fails();
+    const bool ready = store && room && worker && !s.draining;
+    auto r = json_response(ready ? 200 : 503, {{"ready", ready}, {"checks", {{"store", store}, {"disk", room}, {"worker", worker}, {"accepting", !s.draining}}}});
     r.set("Cache-Control", "no-store");
     return r;
 }
@@ -60,6 +61,7 @@ http::Response get_home(Service&, http::Request& request) {
     return page("Alder",
                 fmt::format("<p>A render service. It takes shader graphs and scenes over HTTP and answers with pictures. "
                             "Version " ALDER_VERSION ", {} node types.</p>"
+                            "<p><a href=\"/ui\">The lookdev page</a>: networks, parameters, and the picture as they change.</p>"
                             "<p>A first picture:</p><pre>curl -sS http://{}/v1/preview -H 'Accept: image/png' -o ball.png --json '{}'</pre>"
                             "<table><tr><td><a href=\"/v1/nodes\">/v1/nodes</a><td>every node, its parameters, defaults and ranges"
                             "<tr><td>POST /v1/preview<td>a graph in, a picture out"

@@ -1,13 +1,16 @@
 // alderd: starts the daemon, waits for signals, stops it.
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <unistd.h>
 
 #include "server/daemon.h"
+#include "server/jobs/worker.h"
 #include "server/log.h"
 
 int main(int argc, char** argv) {
     using namespace alder;
+    if (argc == 2 && std::strcmp(argv[1], "--worker") == 0) return jobs::worker_main(3);
     ServiceOptions options;
     if (const int status = parse_options(argc, argv, options); status >= 0) return status;
     start_log(options.log_level);

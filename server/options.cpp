@@ -29,12 +29,19 @@ int parse_options(int argc, char** argv, ServiceOptions& o) {
     app.add_option("--log-level", o.log_level, "debug, info, warn or error")->envname("ALDER_LOG_LEVEL")
         ->check(CLI::IsMember({"debug", "info", "warn", "error"}))->capture_default_str();
     app.add_option("--queue", o.queue, "requests that may wait for the engine, per kind")->envname("ALDER_QUEUE")->check(CLI::Range(0, 10000))->capture_default_str();
+    app.add_option("--renders-queued", o.renders_queued, "renders that may wait")->envname("ALDER_RENDERS_QUEUED")->check(CLI::Range(1, 1000000))->capture_default_str();
+    app.add_option("--retain", o.retain_seconds, "seconds that results are kept unless the request says otherwise")->envname("ALDER_RETAIN")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+    app.add_option("--max-render-seconds", o.max_render_seconds, "a render that takes longer fails; 0 = no limit")->envname("ALDER_MAX_RENDER_SECONDS")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+    app.add_option("--checkpoint-seconds", o.checkpoint_seconds, "least time between checkpoints of a render")->envname("ALDER_CHECKPOINT_SECONDS")->check(CLI::Range(0.0, 1e6))->capture_default_str();
+    app.add_option("--worker-memory-mib", o.worker_memory_mib, "memory of the process that renders; 0 = 80 % of the machine's")->envname("ALDER_WORKER_MEMORY_MIB")->check(CLI::Range(0, 1 << 24))->capture_default_str();
     app.add_option("--cache-mib", o.cache_mib, "finished previews kept in memory")->envname("ALDER_CACHE_MIB")->check(CLI::Range(0, 1 << 20))->capture_default_str();
     app.add_option("--texture-mib", o.texture_mib, "textures held in memory, mip levels and tiles included")->envname("ALDER_TEXTURE_MIB")->check(CLI::Range(1, 1 << 24))->capture_default_str();
     app.add_option("--ocio", o.color_configuration, "OpenColorIO configuration with further colour spaces")->envname("OCIO");
     app.add_option("--max-body", o.limits.body_bytes, "bytes of a JSON body")->envname("ALDER_MAX_BODY")->check(CLI::Range(1024, 1 << 30))->capture_default_str();
     app.add_option("--max-scene", o.limits.scene_bytes, "bytes of a scene document")->envname("ALDER_MAX_SCENE")->check(CLI::Range(1024, 1 << 30))->capture_default_str();
     app.add_option("--max-asset-gib", o.asset_gib, "the largest asset")->envname("ALDER_MAX_ASSET_GIB")->check(CLI::Range(1, 1024))->capture_default_str();
+    app.add_option("--asset-ttl", o.asset_ttl, "seconds that assets are kept which no scene or render refers to")->envname("ALDER_ASSET_TTL")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+    app.add_option("--store-gib", o.store_gib, "all assets together; 0 = what the disk holds")->envname("ALDER_STORE_GIB")->check(CLI::Range(0, 1 << 20))->capture_default_str();
     app.add_option("--max-connections", o.limits.connections, "connections open at once")->envname("ALDER_MAX_CONNECTIONS")->check(CLI::Range(1, 65536))->capture_default_str();
     app.set_version_flag("--version", "alderd " ALDER_VERSION);
     try {

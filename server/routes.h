@@ -2,6 +2,8 @@
 #pragma once
 #include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "server/http/message.h"
 
 namespace alder {
@@ -26,6 +28,11 @@ http::Response get_readyz(Service&, http::Request&);
 http::Response get_metrics(Service&, http::Request&);
 http::Response get_version(Service&, http::Request&);
 http::Response get_problem(Service&, http::Request&);
+// page.cpp
+http::Response get_ui(Service&, http::Request&);
+http::Response get_ui_file(Service&, http::Request&);
+http::Response get_ui_examples(Service&, http::Request&);
+http::Response get_ui_example(Service&, http::Request&);
 // graphs.cpp
 http::Response get_nodes(Service&, http::Request&);
 http::Response get_node(Service&, http::Request&);
@@ -38,6 +45,11 @@ http::Response get_asset(Service&, http::Request&);
 http::Response put_asset(Service&, http::Request&);
 http::Response delete_asset(Service&, http::Request&);
 http::Response post_assets_missing(Service&, http::Request&);
+// uploads.cpp
+http::Response post_uploads(Service&, http::Request&);
+http::Response get_upload(Service&, http::Request&);
+http::Response patch_upload(Service&, http::Request&);
+http::Response delete_upload(Service&, http::Request&);
 // scene_routes.cpp
 http::Response post_scenes(Service&, http::Request&);
 http::Response get_scene(Service&, http::Request&);
@@ -46,5 +58,21 @@ http::Response get_scene_material(Service&, http::Request&);
 http::Response put_scene_material(Service&, http::Request&);
 // renders.cpp
 http::Response post_renders(Service&, http::Request&);
+// jobs/routes.cpp
+http::Response post_final_render(Service&, http::Request&, const nlohmann::json& body);
+http::Response get_renders(Service&, http::Request&);
+http::Response get_render(Service&, http::Request&);
+http::Response patch_render(Service&, http::Request&);
+http::Response delete_render(Service&, http::Request&);
+http::Response post_render_cancel(Service&, http::Request&);
+http::Response post_render_pause(Service&, http::Request&);
+http::Response post_render_resume(Service&, http::Request&);
+http::Response get_render_outputs(Service&, http::Request&);
+http::Response get_render_output(Service&, http::Request&);
+http::Response get_render_log(Service&, http::Request&);
+http::Response get_render_stats(Service&, http::Request&);
+http::Response get_render_snapshot_exr(Service&, http::Request&);
+http::Response get_render_snapshot_png(Service&, http::Request&);
+http::Response get_render_snapshot_jpg(Service&, http::Request&);
 
 }  // namespace alder

@@ -55,17 +55,7 @@ std::shared_ptr<SceneRevision> read_revision(const std::string& id, const std::s
     std::ifstream file(path);
     std::stringstream text;
     text << file.rdbuf();
-    const auto json = nlohmann::json::parse(text.str(), nullptr, false);
-    if (!json.is_object() || !json.contains("source")) return nullptr;
-    auto scene = std::make_shared<SceneRevision>();
-    scene->id = id;
-    scene->revision = json.value("revision", uint64_t{1});
-    scene->etag = revision_etag(scene->revision);
-    scene->source = json["source"];
-    if (const auto it = json.find("materials"); it != json.end())
-        for (const auto& [name, graph] : it->items()) scene->materials[name] = graph;
-    scene->assets = digests_of(*scene);
-    return scene;
+    return revision_from_json(id, nlohmann::json::parse(text.str(), nullptr, false));
 }
 
 bool has_emission(const Material& material) {
@@ -83,6 +73,23 @@ std::string rebuild_class(const Material& before, const Material& after) {
 
 }  // namespace
 
+nlohmann::json to_json(const SceneRevision& scene) {
+    return {{"revision", scene.revision}, {"source", scene.source}, {"materials", scene.materials}};
+}
+
+std::shared_ptr<SceneRevision> revision_from_json(const std::string& id, const nlohmann::json& json) {
+    if (!json.is_object() || !json.contains("source")) return nullptr;
+    auto scene = std::make_shared<SceneRevision>();
+    scene->id = id;
+    scene->revision = json.value("revision", uint64_t{1});
+    scene->etag = revision_etag(scene->revision);
+    scene->source = json["source"];
+    if (const auto it = json.find("materials"); it != json.end())
+        for (const auto& [name, graph] : it->items()) scene->materials[name] = graph;
+    scene->assets = digests_of(*scene);
+    return scene;
+}
+
 size_t LoadedScene::material_index(const std::string& name) const {
     const auto& list = scene->materials;
     return std::find_if(list.begin(), list.end(), [&](const SceneMaterial& m) { return m.name == name; }) - list.begin();
@@ -97,8 +104,7 @@ SceneStore::SceneStore(std::string folder) : folder_(std::move(folder)) {
 std::string SceneStore::path(const std::string& id) const { return fmt::format("{}/{}.json", folder_, id); }
 
 void SceneStore::keep(const std::shared_ptr<const SceneRevision>& scene) {
-    const nlohmann::json file = {{"revision", scene->revision}, {"source", scene->source}, {"materials", scene->materials}};
-    if (!write_durably(path(scene->id), file.dump())) throw Problem{"storage", "the scene could not be written"};
+    if (!write_durably(path(scene->id), to_json(*scene).dump())) throw Problem{"storage", "the scene could not be written"};
     const std::lock_guard lock(mutex_);
     known_[scene->id] = scene;
 }

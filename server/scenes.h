@@ -24,6 +24,11 @@ struct SceneRevision {
     std::vector<std::string> assets;                 ///< every digest it refers to
 };
 
+/// What a revision consists of, as it is stored: {"revision", "source", "materials"}.
+nlohmann::json to_json(const SceneRevision& scene);
+/// Null where it is not one.
+std::shared_ptr<SceneRevision> revision_from_json(const std::string& id, const nlohmann::json& json);
+
 /// What the renderer made of one revision.
 struct LoadedScene {
     std::shared_ptr<const Scene> scene;

@@ -49,11 +49,13 @@ Service::Service(const ServiceOptions& o)
       engine(assets, o.asset_roots, o.threads),
       scenes(o.data + "/scenes"),
       results(static_cast<size_t>(o.cache_mib) << 20),
+      renders(options, assets, metrics),
       compile_lane("compile", engine_workers(o.threads), static_cast<size_t>(o.queue)),
-      preview_lane("preview", 1, static_cast<size_t>(o.queue)),
-      render_lane("render", 1, static_cast<size_t>(o.queue)) {
+      preview_lane("preview", 1, static_cast<size_t>(o.queue)) {
     access.allowed_origins = o.allowed_origins;
-    for (const Lane* lane : {&compile_lane, &preview_lane, &render_lane}) {
+    assets.set_quota(static_cast<uint64_t>(o.store_gib) << 30);
+    metrics.gauge("alder_store_asset_bytes", [this] { return static_cast<double>(assets.bytes()); });
+    for (const Lane* lane : {&compile_lane, &preview_lane}) {
         metrics.gauge("alder_" + lane->name() + "_queued", [lane] { return static_cast<double>(lane->queued()); });
         metrics.gauge("alder_" + lane->name() + "_running", [lane] { return static_cast<double>(lane->running()); });
     }
@@ -86,7 +88,7 @@ void Service::watch_textures() {
 }
 
 Service::~Service() {
-    for (Lane* lane : {&compile_lane, &preview_lane, &render_lane}) lane->stop();
+    for (Lane* lane : {&compile_lane, &preview_lane}) lane->stop();
 }
 
 nlohmann::json Service::read_json(http::Request& request, bool is_scene) {

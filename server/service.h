@@ -11,6 +11,7 @@
 #include "server/engine.h"
 #include "server/errors.h"
 #include "server/http/message.h"
+#include "server/jobs/queue.h"
 #include "server/lane.h"
 #include "server/metrics.h"
 #include "server/options.h"
@@ -43,7 +44,8 @@ class Service {
     Engine engine;
     SceneStore scenes;
     ResultCache results;
-    Lane compile_lane, preview_lane, render_lane;
+    jobs::JobQueue renders;
+    Lane compile_lane, preview_lane;
     std::atomic<bool> draining{false};
 
   private:

@@ -32,13 +32,21 @@ BUMP = {"bump_map": None, "bump_height": None, "shader": None, "use_as": "bump",
         "use_derivatives": None, "flip_r": None, "flip_g": None}
 
 
+MAYA_FILE = {"coverage": [1, 1], "translateFrame": [0, 0], "rotateFrame": 0, "mirrorU": None, "mirrorV": None, "wrapU": None, "wrapV": None, "stagger": False,
+             "repeatUV": None, "offsetUV": None, "rotateUV": 0, "filename": None, "noiseUV": [0, 0], "mipBias": None, "filter": None, "useDefaultColor": None,
+             "defaultColor": None, "colorGain": None, "colorOffset": None, "alphaGain": None, "alphaOffset": None, "alphaIsLuminance": None, "invert": False,
+             "uvCoord": None}
+
+
 class Failure(Exception):
     pass
 
 
 class Converter:
-    def __init__(self, nodes, path, stderr=sys.stderr):
+    def __init__(self, nodes, path, stderr=sys.stderr, image=None):
+        """image(name) gives the image value for a file name of the .ass, or None where there is none; left out: the name itself."""
         self.nodes, self.path, self.stderr = nodes, path, stderr
+        self.image = image or (lambda name: {"file": name, "colorspace": "Non-Color"})
         self.graph = {}
         self.made = {}       # (node, bump) -> name in the graph
         self.visiting = []
@@ -138,6 +146,8 @@ class Converter:
             self.graph[made] = {}  # holds the place, so that a surface comes before what feeds it
             if node.kind == "standard":
                 self.graph[made] = {"type": "alSurface", "params": self.normals(self.standard(node, bump), bump)}
+            elif node.kind == "MayaFile":
+                self.maya_file(node, made)
             elif node.kind.startswith("al"):
                 self.graph[made] = {"type": node.kind, "params": self.al_params(node, bump if is_surface else None)}
             else:
@@ -162,6 +172,42 @@ class Converter:
         if node.kind in ("alInputVector", "alInputScalar") and params.get("input") in ("N", "Nf", "facing-ratio"):
             self.warn(node, "input", "%s is that of the surface without bump" % params["input"])
         return self.normals(params, bump) if node.kind == "alSurface" else params
+
+    def maya_file(self, node, made):
+        """A Maya file texture: repeated, offset and mirrored in uv, then times a gain plus an offset. The result is called `made`."""
+        self.only_neutral(node, MAYA_FILE)
+
+        def get(param, default):
+            return self.constant(node, param) if param in node.params else default
+
+        color, picture = made + "/color", made + "/picture"
+        image = self.image(get("filename", ""))
+        if image is None:
+            self.graph[color] = {"type": "alCombineColor", "params": {"input1": get("defaultColor", [0.5, 0.5, 0.5]), "input2": [1, 1, 1], "combineOp": "multiply 1*2"}}
+            source = {"node": color}
+        else:
+            repeat, offset = get("repeatUV", [1, 1]), get("offsetUV", [0, 0])
+            mirrors, wraps = [get("mirror" + a, False) for a in "UV"], [get("wrap" + a, True) for a in "UV"]
+            if not all(wraps):
+                self.warn(node, "wrapU", "off: the picture ends at its edges, and is black beyond")
+            extension = "CLIP" if not all(wraps) else "MIRROR" if all(mirrors) else "REPEAT"
+            place = {"node": made + "/placement"}
+            self.graph[made + "/uv"] = {"type": "ShaderNodeTexCoord", "params": {}}
+            self.graph[made + "/placement"] = {"type": "ShaderNodeMapping", "params": {
+                "Vector": {"node": made + "/uv", "output": "UV"}, "Scale": [*repeat, 1], "Location": [*offset, 0]}}
+            if mirrors[0] != mirrors[1]:   # along one axis only: that coordinate goes to and fro
+                axis = "xy"[mirrors.index(True)]
+                self.graph[made + "/mirror"] = {"type": "ShaderNodeMath", "params": {"operation": "PINGPONG", "Value": {**place, "component": axis}, "Value_001": 1.0}}
+                self.graph[made + "/mirrored"] = {"type": "ShaderNodeCombineXYZ", "params": {
+                    a.upper(): {"node": made + "/mirror"} if a == axis else {**place, "component": a} for a in "xyz"}}
+                place = {"node": made + "/mirrored"}
+            self.graph[picture] = {"type": "ShaderNodeTexImage", "params": {"image": image, "extension": extension, "Vector": place}}
+            source = {"node": picture, "output": "Color"}
+        gained = made + "/gained"
+        self.graph[gained] = {"type": "alCombineColor", "params": {"input1": source, "input2": self.value(node, "colorGain", None) if "colorGain" in node.params else [1, 1, 1],
+                                                                   "combineOp": "multiply 1*2"}}
+        self.graph[made] = {"type": "alCombineColor", "params": {"input1": {"node": gained}, "combineOp": "add 1+2",
+                                                                 "input2": self.value(node, "colorOffset", None) if "colorOffset" in node.params else [0, 0, 0]}}
 
     def constant_or_link(self, node, param):
         words = node.params[param].words

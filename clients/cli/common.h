@@ -40,6 +40,20 @@ nlohmann::json read_graph_file(const std::string& path);
 /// {"file": NAME} and alShaders' file names beside the document (absolute names as they are); assets are the daemon's.
 std::function<std::string(const nlohmann::json&, std::string&)> image_resolver(const std::string& document_path);
 
+/// A file that load_scene() reads: the path itself, or, of an .ass file, the .alder that the importer makes of it. That one is
+/// temporary and goes with the object.
+class SceneFile {
+  public:
+    explicit SceneFile(const std::string& path);
+    ~SceneFile();
+    SceneFile(const SceneFile&) = delete;
+    SceneFile& operator=(const SceneFile&) = delete;
+    const std::string& path() const { return path_; }
+
+  private:
+    std::string path_, folder_;
+};
+
 /// --texture-mib and --ocio, which act on the whole process.
 void add_texture_options(CLI::App& command);
 
@@ -57,5 +71,12 @@ Run add_merge(CLI::App& app);
 Run add_diff(CLI::App& app);
 Run add_ci(CLI::App& app);
 Run add_graph(CLI::App& app);
+// jobs.cpp
+Run add_jobs(CLI::App& app);
+Run add_show(CLI::App& app);
+Run add_wait(CLI::App& app);
+Run add_cancel(CLI::App& app);
+Run add_logs(CLI::App& app);
+Run add_fetch(CLI::App& app);
 
 }  // namespace alder::cli

@@ -130,7 +130,18 @@ nlohmann::json statistics(const RenderStats& s, double load_seconds, double writ
             {"peak_memory_bytes", peak_memory_bytes()}};
 }
 
-std::function<void(double)> progress_printer(bool quiet) {
+std::function<void(double)> progress_printer(bool quiet, bool lines) {
+    if (lines)
+        return [](double fraction) {
+            static std::mutex mutex;
+            static int told = -1;
+            const std::lock_guard lock(mutex);
+            const int thousandths = static_cast<int>(fraction * 1000);
+            if (thousandths == told) return;
+            told = thousandths;
+            std::fprintf(stderr, "progress %.3f\n", fraction);
+            std::fflush(stderr);
+        };
     if (quiet || !isatty(STDERR_FILENO)) return {};
     return [](double fraction) {
         static std::mutex mutex;

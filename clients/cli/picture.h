@@ -40,8 +40,8 @@ std::shared_ptr<const Material> apply_setting(const Material& material, const st
 uint64_t peak_memory_bytes();
 nlohmann::json statistics(const RenderStats& stats, double load_seconds, double write_seconds);
 
-/// Prints progress on stderr where that is a terminal and `quiet` is not set.
-std::function<void(double)> progress_printer(bool quiet);
+/// Prints progress on stderr where that is a terminal and `quiet` is not set; with `lines`, for programs, as lines "progress 0.43".
+std::function<void(double)> progress_printer(bool quiet, bool lines = false);
 void end_progress();
 
 }  // namespace alder::cli

@@ -23,7 +23,7 @@ struct Options {
     double seconds = 0, target_error = 0;
     uint64_t sample_offset = 0;
     uint32_t seed = 0;
-    bool seed_given = false, quiet = false, lenient = false, strict = false;
+    bool seed_given = false, quiet = false, lenient = false, strict = false, progress = false;
     View view;
 };
 
@@ -62,7 +62,8 @@ int run(const Options& o) {
     Diagnostics d;
     SceneLoadOptions load;
     load.lenient = o.lenient;
-    auto scene = load_scene(o.scene, load, d);
+    const SceneFile file(o.scene);
+    auto scene = load_scene(file.path(), load, d);
     report(o.scene, d, o.quiet);
     if (!scene) fail(kWrong, o.scene + ": cannot be used");
     scene = apply_settings(scene, o.settings);
@@ -92,7 +93,7 @@ int run(const Options& o) {
     request.cancel = &interrupted;
 
     RenderStats stats;
-    const Image image = render(*prepared, request, stats, progress_printer(o.quiet));
+    const Image image = render(*prepared, request, stats, progress_printer(o.quiet, o.progress));
     end_progress();
     const auto writing = std::chrono::steady_clock::now();
     ExrOptions exr;
@@ -117,7 +118,7 @@ int run(const Options& o) {
 Run add_render(CLI::App& app) {
     auto o = std::make_shared<Options>();
     CLI::App* c = app.add_subcommand("render", "a scene to an image with all its layers");
-    c->add_option("SCENE", o->scene, "a scene document (.json, .alder), .glb or .gltf")->required();
+    c->add_option("SCENE", o->scene, "a scene document (.json, .alder), .glb, .gltf or .ass")->required();
     c->add_option("-o,--output", o->output, "OUT.exr, .png or .jpg; default: the scene's name with .exr");
     c->add_option("--samples", o->samples, "samples a pixel; default: the scene's")->check(CLI::Range(1, 1 << 20));
     c->add_option("--seconds", o->seconds, "stop with the best image after so long")->check(CLI::Range(0.001, 1e7));
@@ -138,6 +139,7 @@ Run add_render(CLI::App& app) {
     c->add_option("--noise-filter", o->noise_filter, "noise finer than the ray's footprint fades; default: the scene's")->check(CLI::IsMember({"on", "off"}));
     c->add_flag("--strict", o->strict, "textures that are missing or broken are errors");
     c->add_flag("--lenient", o->lenient, "unknown members and parameters are warnings");
+    c->add_flag("--progress", o->progress, "lines \"progress 0.43\" on stderr, for programs");
     c->add_flag("--quiet", o->quiet, "errors only");
     return [o] { return run(*o); };
 }

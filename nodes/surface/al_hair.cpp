@@ -28,6 +28,13 @@ namespace alh = alder::al_hair;
 template <class F>
 HWY_INLINE Vec3<F> al_hair_color(const Lanes<F>& k, int strength, int color) { return k.v(color) * k.f(strength); }
 
+/// Within 0 to 1, so that neither the hair nor what shows through it turns negative.
+template <class F>
+HWY_INLINE Vec3<F> al_hair_opacity(const Lanes<F>& k) {
+    const Vec3<F> o = k.v(alh::channel("opacity"));
+    return {saturate(o.x), saturate(o.y), saturate(o.z)};
+}
+
 /// The strand as this point sees it: 7.1 and 7.2.
 template <class F>
 struct AlHairPoint {
@@ -81,8 +88,9 @@ struct AlHairOut {
         first = s.lobe_offset[lobe];
         wanted = k.wants(first) || k.wants(first + 1) || k.wants(first + 2);
     }
+    /// A lobe takes no light away: strengths and colours below 0 are 0.
     HWY_INLINE void lobe(Vec3<F> weight, Vec3<F> n, Vec3<F> tangent) const {
-        k.set(first, weight);
+        k.set(first, {max(F(0), weight.x), max(F(0), weight.y), max(F(0), weight.z)});
         k.set(first + 3, n);
         k.set(first + 6, tangent);
     }
@@ -99,7 +107,7 @@ struct AlHairMarschner {
     static HWY_INLINE void run(Lanes<F> k) {
         using alh::channel;
         const AlHairPoint<F> p(k);
-        const Vec3<F> n = k.v(alh::kN), opacity = k.v(channel("opacity"));
+        const Vec3<F> n = k.v(alh::kN), opacity = al_hair_opacity(k);
         // Highlights are not seen by rays that a diffuse bounce sent.
         const Vec3<F> glossy = select(k.f(alh::kDiffuseDepth) > F(0), Vec3<F>(F(0)), opacity);
         const Vec3<F> trt = al_hair_faded(p.absorption, F(-1), F(0.3)) * al_hair_color(k, channel("specular2Strength"), channel("specular2Color")) * glossy;
@@ -162,7 +170,7 @@ struct AlHairEnergy {
     static HWY_INLINE void run(Lanes<F> k) {
         using alh::channel;
         const AlHairPoint<F> p(k);
-        const Vec3<F> n = k.v(alh::kN), opacity = k.v(channel("opacity"));
+        const Vec3<F> n = k.v(alh::kN), opacity = al_hair_opacity(k);
         const F h = clamp(k.f(alh::kH), F(-1), F(1));
         // The logistic whose standard deviation is the rolloff.
         const F scale = max(k.f(channel("transmissionRolloff")), F(0.1)) * F(alh::kRadians * 0.55132889542179209);

@@ -117,7 +117,7 @@ void use_folder(const std::string& folder, const SceneLoadOptions& options, Scen
 bool open_scene(const std::string& path, const SceneLoadOptions& options, SceneSource& source, Diagnostics& d) {
     std::string error;
     if (lower_extension(path) == ".ass") {
-        add_error(d, "", "unsupported", path, "a scene document (.json, .alder) or glTF (.glb, .gltf): .ass files are not read yet");
+        add_error(d, "", "unsupported", path, "a scene document (.json, .alder) or glTF (.glb, .gltf): .ass files go through `alder render` or clients/ass/ass_scene.py");
         return false;
     }
     // What a file is, its first bytes say: assets in a store have no extension.

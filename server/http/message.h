@@ -57,6 +57,7 @@ struct Request : Head {
     std::string route;                              ///< template of the matched route, for metrics
     std::map<std::string, std::string> parameters;  ///< what the route's {names} matched
     std::string user;                               ///< name of the token; empty where none is needed
+    bool sees_all = true;                           ///< no tokens are in use, or this one's scopes have admin
     std::optional<Fault> fault;                     ///< the head was refused; nothing else is valid
 
     /// Reads the body piece by piece; the receiver returns false to stop. At most once a request.

@@ -185,7 +185,7 @@ class Networks(unittest.TestCase):
         self.assertEqual(document["nodes"]["s"]["params"]["diffuseNormal"]["node"], "b1")
 
     def test_what_cannot_be_converted_is_an_error(self):
-        for text, words in ((engine("t") + "MayaFile\n{\n name t\n}\n", "MayaFile"), (engine("nowhere"), "beauty"),
+        for text, words in ((engine("t") + "MayaRamp\n{\n name t\n}\n", "MayaRamp"), (engine("nowhere"), "beauty"),
                             ("alFractal\n{\n name f\n}\n", "shading engines"),
                             (engine("l") + "alLayer\n{\n name l\n layer1 l\n}\n", "itself"),
                             (engine("s") + "alSurface\n{\n name s\n diffuseColor lost\n}\n", "diffuseColor")):
