@@ -19,6 +19,7 @@ LobeFilter group_of(const LobeSpec& s) {
         case LobeKind::Emission: return LobeFilter::Emission;
         case LobeKind::Transparent:
         case LobeKind::Holdout: return LobeFilter::Transparency;
+        case LobeKind::Interior: return LobeFilter::Scatter | LobeFilter::Shadow;
         default: return LobeFilter::Scatter;
     }
 }
@@ -331,7 +332,7 @@ IrRef Builder::run_kernel(int node, int output, int variant) {
     return r;
 }
 
-void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
+void Builder::closure_lobes(int node, int weight, LobeFilter filter, const std::vector<int>& more) {
     Ir& ir = built_.ir;
     const auto s = statics(node);
     const NodeType& type = *s->type;
@@ -341,6 +342,8 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
     for (size_t i = 0; i < s->lobes.size(); ++i) {
         const LobeSpec& spec = s->lobes[i];
         if (!has(filter, group_of(spec))) continue;
+        // A volume's closures mean nothing on a surface and the other way round, but for light that either emits.
+        if (in_volume_ ? !spec.is_volume() && spec.kind != LobeKind::Emission : spec.is_volume()) continue;
         bool dead = false;
         for (int pass = 0; pass < 2 && !dead; ++pass)  // constants first: they may spare building a network
             for (int gate : spec.gates) {
@@ -354,6 +357,7 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
     if (kept == 0) return;
     std::vector<LazyUse> lazy;
     std::vector<int> in = kernel_operands(node, *s, 0, kept, lazy);
+    in.insert(in.end(), more.begin(), more.end());
     const int outs = s->lobes.empty() ? 0 : s->lobe_offset.back() + s->lobes.back().channels();
     const size_t before = ir.ops.size();
     const int op = ir.op(type.kernel, type.name.c_str(), s, std::move(in), outs, type.foldable, type.cost_ns, node);
@@ -419,7 +423,7 @@ IrRef Builder::emission_of(const DocLink& link) {
 /// sum of its weights.
 void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
     filter_ = filter;
-    int root = link.node;
+    int root = link.node, output = link.output;
     if (at(root).role == DocNode::Group) {
         built_.touched.insert(root);
         const Place p = behind_groups({expand(root) + at(root).group->output_node, link.output});
@@ -427,6 +431,7 @@ void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
         if (v.kind == DocValue::Default) return;
         if (!links_closure(p)) return emit(p.node, color_of(p.node, p.param), weight);
         root = target(p.node, v.link);
+        output = v.link.output;
     }
     std::vector<int> order;
     std::map<int, char> state;
@@ -469,7 +474,7 @@ void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
         if (type.lower) {
             built_.touched.insert(*it);
             NodeLowering lowering(*this, *it, 0, &weights, w->second);
-            type.lower(lowering, 0);
+            type.lower(lowering, *it == root ? output : 0);
         } else if (type.lobes && !collecting_aov_) {
             closure_lobes(*it, w->second, filter);
         }
@@ -522,6 +527,10 @@ void Builder::build(const ProgramRequest& request) {
     }
     if (request.surface != LobeFilter::None && document_.outputs.surface.node >= 0)
         closure(document_.outputs.surface, built_.ir.literal(1), request.surface);
+    if (request.volume && document_.outputs.volume.node >= 0) {
+        in_volume_ = true;
+        closure(document_.outputs.volume, built_.ir.literal(1), LobeFilter::Scatter | LobeFilter::Emission);
+    }
     for (auto& [n, s] : statics_) {
         if (s.statics) s.statics->asked = nullptr;
         for (size_t i = 0; i < s.asked.size(); ++i)

@@ -102,7 +102,7 @@ class Builder {
     void emit(int node, IrRef color, int weight);
     IrRef color_of(int node, int param);
     IrRef emission_of(const DocLink& link);
-    void closure_lobes(int node, int weight, LobeFilter filter);
+    void closure_lobes(int node, int weight, LobeFilter filter, const std::vector<int>& more = {});
     void closure_aov(const DocLink& link, const std::string& name, int weight, IrRef& sum, bool& found);
 
     const Document& document_;
@@ -119,6 +119,7 @@ class Builder {
     std::unordered_map<const DocNode*, NodeStatics> statics_;   ///< shared by all uses of a group: its tables are baked once
     bool filters_textures_ = false, fades_noise_ = false;
     LobeFilter filter_ = LobeFilter::None;  ///< of the closures being built
+    bool in_volume_ = false;                ///< they are a volume's
     // While an alder AOV is collected along the closure tree instead of lobes:
     bool collecting_aov_ = false;
     std::string aov_name_;

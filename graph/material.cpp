@@ -141,6 +141,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     }
     bool has_surface() const override { return document_->outputs.surface.node >= 0; }
     bool has_displacement() const override { return document_->outputs.displacement.node >= 0; }
+    bool has_volume() const override { return document_->outputs.volume.node >= 0; }
     std::vector<std::string> aov_names() const override {
         std::vector<std::string> names;
         for (const auto& [name, link] : document_->outputs.aovs) names.push_back(name);
@@ -265,6 +266,7 @@ std::shared_ptr<const Material> build_material(const nlohmann::json& json, const
     request.aovs = m->aov_names();
     if (m->has_surface() || !request.aovs.empty())
         if (!m->program(request, d)) return nullptr;
+    if (m->has_volume() && !m->program({.volume = true}, d)) return nullptr;
     return m;
 }
 

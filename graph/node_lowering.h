@@ -104,6 +104,9 @@ class NodeLowering final : public Lowering {
     void emit(ValueRef color) override {
         if (weights_) b_.emit(node_, b_.convert(refs_[color.id], Type::Color, statics_->type->system), path_weight_);
     }
+    void emit_lobes(std::span<const ValueRef> more) override {
+        if (weights_ && !b_.collecting_aov_) b_.closure_lobes(node_, path_weight_, b_.filter_, flat(more));
+    }
 
     bool has_result() const { return has_result_; }
     const IrRef& value() const { return result_; }
