@@ -2,7 +2,7 @@
 include(GNUInstallDirs)
 install(TARGETS alder alderd RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS alder_images LIBRARY DESTINATION lib/alder)
-install(FILES packaging/alderd.service DESTINATION lib/systemd/system)
+install(FILES server/packaging/alderd.service DESTINATION lib/systemd/system)
 file(GLOB ALDER_DOCUMENTS CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/*.md)
 install(FILES ${ALDER_DOCUMENTS} README.md LICENSE DESTINATION share/doc/alder)
 set(CPACK_PACKAGE_NAME alder)
