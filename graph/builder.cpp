@@ -7,12 +7,11 @@
 
 #include "graph/builtin_ops.h"
 #include "graph/json_text.h"
+#include "graph/node_lowering.h"
 #include "nodes/resource_faults.h"
 
 namespace alder {
 namespace {
-
-constexpr int kMaxNestedBump = 2;  ///< a bump inside a bump's height is derived; deeper ones are taken at the centre
 
 LobeFilter group_of(const LobeSpec& s) {
     if (s.shadow_only) return LobeFilter::Shadow;
@@ -20,132 +19,12 @@ LobeFilter group_of(const LobeSpec& s) {
         case LobeKind::Emission: return LobeFilter::Emission;
         case LobeKind::Transparent:
         case LobeKind::Holdout: return LobeFilter::Transparency;
+        case LobeKind::Interior: return LobeFilter::Scatter | LobeFilter::Shadow;
         default: return LobeFilter::Scatter;
     }
 }
 
 }  // namespace
-
-/// The Lowering that one node sees while one of its outputs is built.
-class NodeLowering final : public Lowering {
-  public:
-    NodeLowering(Builder& b, int node, int variant, std::map<int, int>* weights, int path_weight)
-        : b_(b), node_(node), variant_(variant), statics_(b.statics(node)), weights_(weights), path_weight_(path_weight) {}
-
-    const Statics& statics() const override { return *statics_; }
-    bool linked(int param) const override { return statics_->linked[param]; }
-    ValueRef input(int param) override { return keep(b_.param_value(node_, param, variant_)); }
-    ValueRef displaced_input(int param, int direction, ValueRef width) override {
-        if (b_.variants_[variant_].depth >= kMaxNestedBump) return input(param);
-        return keep(b_.param_value(node_, param, b_.variant_of(variant_, direction, refs_[width.id].ch[0])));
-    }
-    bool filters_textures() const override { return b_.filters_textures_; }
-    bool fades_noise() const override { return b_.fades_noise_; }
-    ValueRef global(Global g) override { return keep(b_.global_value(g, variant_)); }
-    ValueRef attribute(const std::string& name, Type type) override {
-        IrRef r{type, {}};
-        for (int i = 0; i < channels(type); ++i) r.ch[i] = b_.built_.ir.attribute(name, type, i);
-        return keep(r);
-    }
-    ValueRef attribute_or(const std::string& name, Type type, ValueRef fallback) override {
-        const int exists = b_.built_.ir.attribute(name + std::string(kExistsSuffix), Type::Float, 0);
-        IrRef r{type, {}};
-        for (int i = 0; i < channels(type); ++i)
-            r.ch[i] = b_.op1("attribute_or", builtin::select(), {exists, b_.built_.ir.attribute(name, type, i), refs_[fallback.id].ch[i]});
-        return keep(r);
-    }
-    ValueRef constant(Type type, double x, double y, double z) override {
-        IrRef r{type, {}};
-        const double v[3] = {x, y, z};
-        for (int i = 0; i < channels(type); ++i) r.ch[i] = b_.built_.ir.literal(v[i]);
-        return keep(r);
-    }
-    ValueRef displaced_global(Global g, int direction, ValueRef width) override {
-        if (b_.variants_[variant_].depth >= kMaxNestedBump) return global(g);
-        return keep(b_.global_value(g, b_.variant_of(variant_, direction, refs_[width.id].ch[0])));
-    }
-    ValueRef call(std::span<const ValueRef> params, int output) override {
-        std::vector<int> in = flat(params);
-        b_.push_globals(*statics_, variant_, in);
-        return call_with(std::move(in), output);
-    }
-    ValueRef call(std::span<const ValueRef> params, std::span<const ValueRef> globals, int output) override {
-        std::vector<int> in = flat(params), more = flat(globals);
-        in.insert(in.end(), more.begin(), more.end());
-        return call_with(std::move(in), output);
-    }
-    ValueRef call_with(std::vector<int> in, int output) {
-        const NodeType& type = *statics_->type;
-        int outs = 0, first = 0;
-        for (size_t i = 0; i < type.outputs.size(); ++i) {
-            if (static_cast<int>(i) == output) first = outs;
-            outs += channels(type.outputs[i].type);
-        }
-        const int op = b_.built_.ir.op(type.kernel, type.name.c_str(), statics_, std::move(in), outs, type.foldable, type.cost_ns, node_);
-        IrRef r{type.outputs[output].type, {}};
-        for (int i = 0; i < channels(r.type); ++i) r.ch[i] = b_.built_.ir.ops[op].out[first + i];
-        return keep(r);
-    }
-    ValueRef op(const char* name, const Kernel& kernel, std::span<const ValueRef> operands, Type result) override {
-        const int op = b_.built_.ir.op(kernel, name, statics_, flat(operands), channels(result), true, 1, node_);
-        IrRef r{result, {}};
-        for (int i = 0; i < channels(result); ++i) r.ch[i] = b_.built_.ir.ops[op].out[i];
-        return keep(r);
-    }
-    ValueRef convert(ValueRef v, Type to) override { return keep(b_.convert(refs_[v.id], to, statics_->type->system)); }
-    void result(ValueRef v) override {
-        result_ = refs_[v.id];
-        has_result_ = true;
-    }
-    void pass_closure(int param, ValueRef weight) override {
-        const Builder::Place p = b_.behind_groups({node_, param});
-        const DocValue& v = b_.at(p.node).params[p.param];
-        if (v.kind == DocValue::Default || !weights_) return;
-        Ir& ir = b_.built_.ir;
-        int w = path_weight_;
-        if (weight.valid()) {
-            const IrRef f = b_.convert(refs_[weight.id], Type::Float, System::Cycles);
-            if (ir.is_constant(f.ch[0]) && ir.guarded(Guard::AllZero, {f.ch[0]})) {
-                if (v.kind == DocValue::Link)
-                    b_.built_.skipped.emplace_back(b_.target(p.node, v.link), fmt::format("{}.{} has weight 0", b_.built_.name(node_), statics_->type->params[param].name));
-                return;
-            }
-            if (!(ir.is_constant(f.ch[0]) && ir.guarded(Guard::IsOne, {f.ch[0]})))
-                w = ir.is_constant(w) && ir.value(w) == 1 ? f.ch[0] : b_.op1("multiply", builtin::multiply(), {w, f.ch[0]});
-        }
-        if (!b_.links_closure(p)) return b_.emit(p.node, b_.color_of(p.node, p.param), w);
-        const auto [it, fresh] = weights_->try_emplace(b_.target(p.node, v.link), w);
-        if (!fresh) it->second = b_.op1("add", builtin::add(), {it->second, w});
-    }
-
-    void emit(ValueRef color) override {
-        if (weights_) b_.emit(node_, b_.convert(refs_[color.id], Type::Color, statics_->type->system), path_weight_);
-    }
-
-    bool has_result() const { return has_result_; }
-    const IrRef& value() const { return result_; }
-
-  private:
-    ValueRef keep(IrRef r) {
-        refs_.push_back(r);
-        return {static_cast<int>(refs_.size()) - 1};
-    }
-    std::vector<int> flat(std::span<const ValueRef> values) const {
-        std::vector<int> in;
-        for (ValueRef v : values)
-            for (int i = 0; i < channels(refs_[v.id].type); ++i) in.push_back(refs_[v.id].ch[i]);
-        return in;
-    }
-
-    Builder& b_;
-    int node_, variant_;
-    std::shared_ptr<const Statics> statics_;
-    std::map<int, int>* weights_;
-    int path_weight_;
-    std::vector<IrRef> refs_;
-    IrRef result_;
-    bool has_result_ = false;
-};
 
 std::string Builder::pointer_to(int node, const std::string& param) const {
     const int parent = built_.nodes[node].parent;
@@ -197,12 +76,14 @@ std::shared_ptr<const Statics> Builder::statics(int node) {
         for (const auto& e : errors) {
             if (d_.errors.size() < kMaxDiagnostics) d_.errors.push_back(prepare_fault(node, e));
         }
-        if (const auto* resources = dynamic_cast<const ResourceFaults*>(s->prepared.get()))
+        if (const auto* resources = dynamic_cast<const ResourceFaults*>(s->prepared.get())) {
+            built_.resources.emplace_back(pointer_to(node), s->prepared);
             for (const auto& f : resources->faults) {
                 auto& list = options_.strict ? d_.errors : d_.warnings;
                 const std::string shown = options_.strict ? "a file that can be read" : "a file that can be read; it is rendered magenta";
                 if (list.size() < kMaxDiagnostics) list.push_back({pointer_to(node, f.parameter), "asset-unreadable", f.file + ": " + f.reason, shown, ""});
             }
+        }
     }
     slot.statics = s;
     return s;
@@ -451,7 +332,7 @@ IrRef Builder::run_kernel(int node, int output, int variant) {
     return r;
 }
 
-void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
+void Builder::closure_lobes(int node, int weight, LobeFilter filter, const std::vector<int>& more) {
     Ir& ir = built_.ir;
     const auto s = statics(node);
     const NodeType& type = *s->type;
@@ -461,6 +342,8 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
     for (size_t i = 0; i < s->lobes.size(); ++i) {
         const LobeSpec& spec = s->lobes[i];
         if (!has(filter, group_of(spec))) continue;
+        // A volume's closures mean nothing on a surface and the other way round, but for light that either emits.
+        if (in_volume_ ? !spec.is_volume() && spec.kind != LobeKind::Emission : spec.is_volume()) continue;
         bool dead = false;
         for (int pass = 0; pass < 2 && !dead; ++pass)  // constants first: they may spare building a network
             for (int gate : spec.gates) {
@@ -474,6 +357,7 @@ void Builder::closure_lobes(int node, int weight, LobeFilter filter) {
     if (kept == 0) return;
     std::vector<LazyUse> lazy;
     std::vector<int> in = kernel_operands(node, *s, 0, kept, lazy);
+    in.insert(in.end(), more.begin(), more.end());
     const int outs = s->lobes.empty() ? 0 : s->lobe_offset.back() + s->lobes.back().channels();
     const size_t before = ir.ops.size();
     const int op = ir.op(type.kernel, type.name.c_str(), s, std::move(in), outs, type.foldable, type.cost_ns, node);
@@ -539,7 +423,7 @@ IrRef Builder::emission_of(const DocLink& link) {
 /// sum of its weights.
 void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
     filter_ = filter;
-    int root = link.node;
+    int root = link.node, output = link.output;
     if (at(root).role == DocNode::Group) {
         built_.touched.insert(root);
         const Place p = behind_groups({expand(root) + at(root).group->output_node, link.output});
@@ -547,6 +431,7 @@ void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
         if (v.kind == DocValue::Default) return;
         if (!links_closure(p)) return emit(p.node, color_of(p.node, p.param), weight);
         root = target(p.node, v.link);
+        output = v.link.output;
     }
     std::vector<int> order;
     std::map<int, char> state;
@@ -589,7 +474,7 @@ void Builder::closure(const DocLink& link, int weight, LobeFilter filter) {
         if (type.lower) {
             built_.touched.insert(*it);
             NodeLowering lowering(*this, *it, 0, &weights, w->second);
-            type.lower(lowering, 0);
+            type.lower(lowering, *it == root ? output : 0);
         } else if (type.lobes && !collecting_aov_) {
             closure_lobes(*it, w->second, filter);
         }
@@ -642,6 +527,10 @@ void Builder::build(const ProgramRequest& request) {
     }
     if (request.surface != LobeFilter::None && document_.outputs.surface.node >= 0)
         closure(document_.outputs.surface, built_.ir.literal(1), request.surface);
+    if (request.volume && document_.outputs.volume.node >= 0) {
+        in_volume_ = true;
+        closure(document_.outputs.volume, built_.ir.literal(1), LobeFilter::Scatter | LobeFilter::Emission);
+    }
     for (auto& [n, s] : statics_) {
         if (s.statics) s.statics->asked = nullptr;
         for (size_t i = 0; i < s.asked.size(); ++i)

@@ -43,6 +43,7 @@ struct Built {
     std::map<std::pair<int, int>, std::pair<int, int>> leaves;  ///< (node, param) -> first leaf channel, count
     std::set<std::pair<int, int>> asked;                     ///< (node, param): lobes() or uses() looked at its constant
     std::vector<std::pair<int, std::string>> skipped;        ///< (node, reason)
+    std::vector<std::pair<std::string, std::shared_ptr<const Prepared>>> resources;  ///< (pointer of the node, its tables): with files behind them
     std::set<int> touched;                                   ///< nodes whose value was asked for
 
     /// "node", or "group/node" inside a group.
@@ -101,7 +102,7 @@ class Builder {
     void emit(int node, IrRef color, int weight);
     IrRef color_of(int node, int param);
     IrRef emission_of(const DocLink& link);
-    void closure_lobes(int node, int weight, LobeFilter filter);
+    void closure_lobes(int node, int weight, LobeFilter filter, const std::vector<int>& more = {});
     void closure_aov(const DocLink& link, const std::string& name, int weight, IrRef& sum, bool& found);
 
     const Document& document_;
@@ -118,6 +119,7 @@ class Builder {
     std::unordered_map<const DocNode*, NodeStatics> statics_;   ///< shared by all uses of a group: its tables are baked once
     bool filters_textures_ = false, fades_noise_ = false;
     LobeFilter filter_ = LobeFilter::None;  ///< of the closures being built
+    bool in_volume_ = false;                ///< they are a volume's
     // While an alder AOV is collected along the closure tree instead of lobes:
     bool collecting_aov_ = false;
     std::string aov_name_;

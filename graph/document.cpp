@@ -264,13 +264,14 @@ void Reader::read_output_node(const Pending& p, DocOutputs& out) {
     const auto& params = p.node->type->params;
     for (size_t i = 0; i < params.size() && i < p.node->params.size(); ++i) {
         if (p.node->params[i].kind != DocValue::Link) continue;
-        if (params[i].name == "Volume")
-            error(p.pointer + "/params/Volume", "unsupported", "a volume", "nothing: volumes are not available in this version");
-        if (params[i].name != "Displacement") continue;
-        const auto& outputs = p.node->type->outputs;
-        const auto socket = std::find_if(outputs.begin(), outputs.end(), [](const auto& s) { return s.name == "Displacement"; });
-        if (socket != outputs.end()) out.displacement = {out.surface.node, static_cast<int>(socket - outputs.begin())};
+        if (params[i].name != "Displacement" && params[i].name != "Volume") continue;
+        const int socket = p.node->type->output_index(params[i].name);
+        if (socket >= 0) (params[i].name == "Volume" ? out.volume : out.displacement) = {out.surface.node, socket};
     }
+    // A volume without a surface has a boundary that nothing stops at, not a black one.
+    const int surface = p.node->type->param_index("Surface");
+    const bool empty = surface >= 0 && p.node->params[surface].kind == DocValue::Default;
+    if (empty && out.volume.node >= 0) out.surface = {};
 }
 
 void Reader::read_outputs() {
@@ -280,18 +281,17 @@ void Reader::read_outputs() {
     if (!o.is_object()) return error("/outputs", "wrong-type", shown_json(o), "an object: surface, displacement, volume, aovs");
     members(o, "/outputs", {"surface", "displacement", "volume", "aovs"});
     auto& out = document_->outputs;
-    const auto closure = [&](const char* name, DocLink& link) {
+    const auto closure = [&](const char* name, DocLink& link, const char* preferred) {
         if (!o.contains(name) || o[name].is_null()) return;
         const std::string pointer = std::string("/outputs/") + name;
-        if (read_link(o[name], pointer, link, 0, "Surface") && pending_[link.node].node->type->outputs[link.output].type != Type::Closure) {
-            error(pointer, "wrong-type", pending_[link.node].node->type->name, "a surface or closure node");
+        if (read_link(o[name], pointer, link, 0, preferred) && pending_[link.node].node->type->outputs[link.output].type != Type::Closure) {
+            error(pointer, "wrong-type", pending_[link.node].node->type->name, "a surface, volume or closure node");
             link.node = -1;
         }
     };
-    closure("surface", out.surface);
+    closure("surface", out.surface, "Surface");
     if (out.surface.node >= 0) read_output_node(pending_[out.surface.node], out);
-    if (o.contains("volume") && !o["volume"].is_null())
-        error("/outputs/volume", "unsupported", "a volume", "a graph without volume output: volumes are not available in this version");
+    closure("volume", out.volume, "Volume");
     if (o.contains("displacement") && !o["displacement"].is_null())
         read_link(o["displacement"], "/outputs/displacement", out.displacement, 0, "Displacement");
     if (!o.contains("aovs")) return;

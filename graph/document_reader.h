@@ -65,7 +65,8 @@ class Reader {
     // groups.cpp
     void declare_group(const std::string& name, const json& j, const std::string& pointer);
     std::shared_ptr<const DocGroup> named_group(const std::string& name, const std::string& pointer);
-    std::shared_ptr<const DocGroup> read_group(const json& j, const std::string& base, const std::string& name);
+    /// `dated`: the document's version is the group's too and nothing of it has been upgraded yet.
+    std::shared_ptr<const DocGroup> read_group(const json& j, const std::string& base, const std::string& name, bool dated);
     bool read_group_graph();
     void read_all_groups();
     void declare_interface();

@@ -61,7 +61,7 @@ void Reader::declare_group(const std::string& name, const json& j, const std::st
     const bool inlined = j.contains("graph") && j["graph"].is_object();
     const char* const member = j.contains("group") ? "group" : "graph";
     if (inlined && !j.contains("group")) {
-        group = read_group(j["graph"], base_ + pointer + "/graph", name);
+        group = read_group(j["graph"], base_ + pointer + "/graph", name, false);   // upgraded with the graph around it
     } else if (!inlined && j.contains(member) && j[member].is_string()) {
         group = named_group(j[member], pointer + "/" + member);
     } else {
@@ -90,7 +90,7 @@ std::shared_ptr<const DocGroup> Reader::named_group(const std::string& name, con
     }
     if (const auto it = groups_.done.find(name); it != groups_.done.end()) return it->second;
     groups_.open.push_back(name);
-    auto group = read_group((*groups_.named)[name], "/groups/" + pointer_token(name), name);
+    auto group = read_group((*groups_.named)[name], "/groups/" + pointer_token(name), name, true);
     groups_.open.pop_back();
     return groups_.done[name] = group;
 }
@@ -102,12 +102,12 @@ void Reader::read_all_groups() {
     for (const auto& [name, j] : groups_.named->items()) named_group(name, "/groups/" + pointer_token(name));
 }
 
-std::shared_ptr<const DocGroup> Reader::read_group(const json& j, const std::string& base, const std::string& name) {
+std::shared_ptr<const DocGroup> Reader::read_group(const json& j, const std::string& base, const std::string& name, bool dated_by_document) {
     auto group = std::make_shared<DocGroup>();
     group->pointer = base;
     group->type.summary = name;
     json dated;
-    const bool date = groups_.version && j.is_object() && !j.contains("blender_version");
+    const bool date = dated_by_document && groups_.version && j.is_object() && !j.contains("blender_version");
     if (date) (dated = j)["blender_version"] = *groups_.version;
     const auto upgraded = upgraded_document(date ? dated : j);
     Reader reader(upgraded ? *upgraded : j, base, options_, groups_, d_, group.get());

@@ -50,6 +50,8 @@ class Lowering {
     virtual void pass_closure(int param, ValueRef weight) = 0;
     /// Closure outputs: light emitted by the node itself.
     virtual void emit(ValueRef color) = 0;
+    /// Closure outputs: the node's own lobes, by its kernel. `more` follows the parameters and globals in OpCall::in.
+    virtual void emit_lobes(std::span<const ValueRef> more) = 0;
 };
 
 }  // namespace alder

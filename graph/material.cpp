@@ -12,6 +12,7 @@
 #include "graph/code.h"
 #include "graph/digest.h"
 #include "graph/json_text.h"
+#include "nodes/resource_faults.h"
 
 namespace alder {
 namespace {
@@ -124,7 +125,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         document->digest.clear();
         auto m = std::make_shared<MaterialImpl>(document, base_json_, options_);
         m->edits_ = edits_;
-        m->add_file_faults(file_faults());
+        m->inherit_files(*this);
         m->edits_.emplace_back(nlohmann::json::json_pointer("/nodes/" + pointer_token(parts[1]) + "/params/" + pointer_token(parts[3])), value);
         if (m->edits_.size() > 256) {  // keep the chain short: write the edits into a document of its own
             m->base_json_ = std::make_shared<nlohmann::json>(m->document());
@@ -140,6 +141,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     }
     bool has_surface() const override { return document_->outputs.surface.node >= 0; }
     bool has_displacement() const override { return document_->outputs.displacement.node >= 0; }
+    bool has_volume() const override { return document_->outputs.volume.node >= 0; }
     std::vector<std::string> aov_names() const override {
         std::vector<std::string> names;
         for (const auto& [name, link] : document_->outputs.aovs) names.push_back(name);
@@ -150,7 +152,15 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         std::lock_guard lock(mutex_);
         std::vector<Diagnostic> faults;
         for (const auto& [pointer, fault] : unreadable_) faults.push_back(fault);
+        for (const auto& [pointer, prepared] : resources_)
+            for (const auto& f : dynamic_cast<const ResourceFaults&>(*prepared).late_faults())
+                faults.push_back({pointer + "/params/" + f.parameter, "asset-unreadable", f.file + ": " + f.reason, "a file that can be read; it is rendered magenta", ""});
         return faults;
+    }
+    void inherit_files(const MaterialImpl& from) {
+        std::lock_guard lock(from.mutex_);
+        unreadable_ = from.unreadable_;
+        resources_ = from.resources_;
     }
     void add_file_faults(const std::vector<Diagnostic>& warnings) {
         for (const Diagnostic& w : warnings)
@@ -201,6 +211,10 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
         if (document_->expanded > kInlineNodes) on_large_stack(work);
         else work();
         say_once(d);
+        {
+            std::lock_guard lock(mutex_);
+            for (auto& [pointer, prepared] : built.resources) resources_.try_emplace(pointer, prepared);
+        }
         if (d.errors.size() > errors) return nullptr;
         IrValues values = built.ir.values;
         auto code = std::const_pointer_cast<Code>(generate_code(std::move(built)));
@@ -234,6 +248,7 @@ class MaterialImpl final : public Material, public std::enable_shared_from_this<
     mutable std::vector<std::pair<ProgramRequest, std::shared_ptr<const ProgramImpl>>> programs_;
     mutable std::unique_ptr<nlohmann::json> edited_json_;
     mutable std::map<std::string, Diagnostic> unreadable_;
+    mutable std::map<std::string, std::shared_ptr<const Prepared>> resources_;   ///< with files behind them, by the node's pointer
     mutable std::string digest_;
 };
 
@@ -251,6 +266,7 @@ std::shared_ptr<const Material> build_material(const nlohmann::json& json, const
     request.aovs = m->aov_names();
     if (m->has_surface() || !request.aovs.empty())
         if (!m->program(request, d)) return nullptr;
+    if (m->has_volume() && !m->program({.volume = true}, d)) return nullptr;
     return m;
 }
 

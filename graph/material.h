@@ -43,6 +43,7 @@ constexpr bool has(LobeFilter a, LobeFilter b) { return (static_cast<int>(a) & s
 struct ProgramRequest {
     LobeFilter surface = LobeFilter::None;   ///< Transparency: Transparent and Holdout lobes; Shadow: as a shadow ray sees it
     bool displacement = false;
+    bool volume = false;               ///< the lobes of the volume output, in place of a surface's
     std::vector<std::string> outputs;  ///< "NODE.OUTPUT" or "NODE"; order of Program::outputs
     std::vector<std::string> aovs;     ///< names of the graph's `aovs`, or of AOVs that closure nodes carry ("id_1")
     bool filter_textures = false;      ///< image lookups take the mip level that the pixel's footprint asks for
@@ -61,6 +62,7 @@ class Material {
     virtual const nlohmann::json& document() const = 0;
     virtual bool has_surface() const = 0;
     virtual bool has_displacement() const = 0;
+    virtual bool has_volume() const = 0;
     virtual std::vector<std::string> aov_names() const = 0;   ///< the graph's own `aovs`
     virtual size_t node_count() const = 0;
     /// Files of its programs so far that are missing or broken, as they were warned of: for requests that will not have it.

@@ -37,6 +37,13 @@ const char* closure_name(const LobeSpec& spec) {
         case LobeKind::Measured: return "measured";
         case LobeKind::RandomWalk: return "random_walk";
         case LobeKind::Profile: return "subsurface_profile";
+        case LobeKind::Absorption: return "absorption";
+        case LobeKind::PhaseHenyeyGreenstein: return "henyey_greenstein";
+        case LobeKind::PhaseRayleigh: return "rayleigh";
+        case LobeKind::PhaseDraine: return "draine";
+        case LobeKind::PhaseFournierForand: return "fournier_forand";
+        case LobeKind::Interior: return "interior";
+        case LobeKind::RayPortal: return "ray_portal";
         case LobeKind::kCount: break;
     }
     return "?";
@@ -45,6 +52,7 @@ const char* closure_name(const LobeSpec& spec) {
 ProgramRequest everything(const Material& material) {
     ProgramRequest request;
     if (material.has_surface()) request.surface = LobeFilter::Surface;
+    else request.volume = material.has_volume();
     request.displacement = material.has_displacement();
     request.aovs = material.aov_names();
     return request;

@@ -89,6 +89,9 @@ bool has_old_distribution(const json& node) {
     return p != node.end() && p->is_object() && p->contains("distribution") && (*p)["distribution"] == "SHARP";
 }
 
+/// A group that says its own version is upgraded by that, when it is read.
+bool dated_itself(const json& graph) { return graph.is_object() && graph.contains("blender_version"); }
+
 /// Whether anything has to be done: most documents are current, and a copy costs.
 bool is_old(const json& document, int version) {
     if (!document.is_object() || !document.contains("nodes") || !document["nodes"].is_object()) return false;
@@ -167,7 +170,7 @@ void upgrade_tree(json& document, int version) {
         else if (is(nodes[name], "ShaderNodeBsdfPrincipled")) upgrade::principled(tree, name);
         else if (is(nodes[name], "ShaderNodeTexMusgrave") || is(nodes[name], "musgrave_texture")) upgrade::musgrave(tree, name);
         else if (is(nodes[name], "ShaderNodeOutputAOV")) collect_aov(document, tree, name);
-        if (nodes[name].contains("graph") && is_old(nodes[name]["graph"], version)) upgrade_tree(nodes[name]["graph"], version);
+        if (nodes[name].contains("graph") && !dated_itself(nodes[name]["graph"]) && is_old(nodes[name]["graph"], version)) upgrade_tree(nodes[name]["graph"], version);
     }
     if (document.contains("outputs")) redirect_outputs(document["outputs"], nodes);
     for (auto& [name, node] : nodes.items())

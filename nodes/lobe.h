@@ -57,6 +57,14 @@ enum class LobeKind : uint8_t {
     RandomWalk,  ///< params: mean free path r g b (world units); albedo r g b; ior; entry width; anisotropy. LobeSpec::order 1: half of
                  ///< the entries are diffuse (Cycles' skin)
     Profile,     ///< params: scale r g b of a radial profile (world units). LobeSpec::order: 0 Christensen and Burley, 1 cubic
+    // Volumes: coefficients per unit length, world units. Mathematics: render/closure/phase.h
+    Absorption,           ///< weight = absorption; no params
+    PhaseHenyeyGreenstein,  ///< weight of this and the next three = scattering; params: anisotropy
+    PhaseRayleigh,          ///< no params
+    PhaseDraine,            ///< params: anisotropy, alpha
+    PhaseFournierForand,    ///< params: share scattered backwards, index
+    Interior,   ///< of a surface that refracts: what lies behind it. weight = extinction; params: scattering r g b, anisotropy
+    RayPortal,  ///< goes on elsewhere; params: position x y z, direction x y z
     kCount
 };
 
@@ -72,7 +80,7 @@ enum class FresnelMode : uint8_t {
 
 /// Which light AOV a lobe's contribution goes to (API.md section 10). What a lobe labelled Refraction reflects is Specular.
 enum class LobeLabel : uint8_t {
-    Diffuse, Specular, Specular2, Backlight, Refraction, Glint, HairTransmission, Local, Global, Sss, SingleScatter, Emission, Transparent, kCount
+    Diffuse, Specular, Specular2, Backlight, Refraction, Glint, HairTransmission, Local, Global, Sss, SingleScatter, Emission, Transparent, Volume, kCount
 };
 
 struct LobeSpec {
@@ -97,6 +105,11 @@ struct LobeSpec {
 
     bool is_microfacet() const { return kind >= LobeKind::MicrofacetReflection && kind <= LobeKind::AshikhminShirley; }
     bool is_hair() const { return kind >= LobeKind::HairReflection && kind <= LobeKind::HairDual; }
+    bool is_phase() const { return kind >= LobeKind::PhaseHenyeyGreenstein && kind <= LobeKind::PhaseFournierForand; }
+    /// Of a volume's shader, not of a surface's.
+    bool is_volume() const {
+        return kind == LobeKind::Absorption || is_phase() || (kind == LobeKind::Emission && label == LobeLabel::Volume);
+    }
     bool is_subsurface() const { return kind == LobeKind::RandomWalk || kind == LobeKind::Profile; }
     bool has_tangent() const { return is_hair() || (is_microfacet() && anisotropic); }
     int params() const;
@@ -150,6 +163,11 @@ inline int LobeSpec::params() const {
         case LobeKind::AshikhminShirley: return MicrofacetLayout(*this).count;
         case LobeKind::RandomWalk: return 9;
         case LobeKind::Profile: return 3;
+        case LobeKind::PhaseHenyeyGreenstein: return 1;
+        case LobeKind::PhaseDraine:
+        case LobeKind::PhaseFournierForand: return 2;
+        case LobeKind::Interior: return 4;
+        case LobeKind::RayPortal: return 6;
         case LobeKind::HairGlossy: return 2;
         case LobeKind::HairReflection:
         case LobeKind::HairTransmission:

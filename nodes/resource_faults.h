@@ -12,6 +12,8 @@ struct ResourceFaults {
         std::string parameter, file, reason;
     };
     std::vector<Fault> faults;
+    /// What has shown only while the node was evaluated: a file in tiles that breaks off in the middle.
+    virtual std::vector<Fault> late_faults() const { return {}; }
     virtual ~ResourceFaults() = default;
 };
 

@@ -61,6 +61,7 @@ ShadingLayer layer_of(LobeLabel label, bool direct) {
         case LobeLabel::Global: return direct ? kDirectGlobal : kIndirectGlobal;
         case LobeLabel::Sss: return kSssLayer;
         case LobeLabel::SingleScatter: return kSingleScatterLayer;
+        case LobeLabel::Volume: return direct ? kDirectVolume : kIndirectVolume;
         default: return kEmissionLayer;
     }
 }

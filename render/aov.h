@@ -20,8 +20,8 @@ enum ShadingLayer : int {
     kDirectHairTransmission, kIndirectHairTransmission, kDirectLocal, kIndirectLocal, kDirectGlobal, kIndirectGlobal, kSssLayer, kSingleScatterLayer,
     kDirectVolume, kIndirectVolume, kEmissionLayer, kBackgroundLayer, kShadingLayers
 };
-/// Labels a path may be attributed to by its first scattering: Diffuse .. SingleScatter.
-inline constexpr int kScatterLabels = static_cast<int>(LobeLabel::SingleScatter) + 1;
+/// Labels a path may be attributed to by its first scattering: all but Emission and Transparent, which no path has.
+inline constexpr int kScatterLabels = static_cast<int>(LobeLabel::kCount);
 ShadingLayer layer_of(LobeLabel label, bool direct);
 
 inline constexpr int kLightGroups = 9;  ///< default, 1 .. 8

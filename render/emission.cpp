@@ -69,6 +69,7 @@ std::shared_ptr<const WorldLight> build_world(const World& world, const Surfaces
     light->light_group = world.light_group;
     light->visibility = world.visibility;
     const auto compiled = compile_material({"world", world.graph, 0}, surfaces, RenderSettings{}, d);
+    if (compiled) light->volume = compiled->volume;
     if (!compiled || !compiled->emission) return light;
     if (compiled->emission_constant) {
         light->constant = compiled->emission_value;

@@ -407,6 +407,10 @@ json evaluate_request(const json& request, const EvaluateOptions& options, Diagn
     if (!d.ok()) return nullptr;
     json answer = o.precision == EvaluateOptions::Precision::Double ? evaluate<double>(value_program, surface_program, *points, closure, o)
                                                                     : evaluate<float>(value_program, surface_program, *points, closure, o);
+    if (o.material.strict)   // a file may break off in the middle
+        for (const Diagnostic& fault : material->file_faults())
+            if (d.errors.size() < kMaxDiagnostics) d.errors.push_back(fault);
+    if (!d.ok()) return nullptr;
     if (!d.warnings.empty()) {
         json list = json::array();
         for (const auto& w : d.warnings) list.push_back({{"pointer", w.pointer}, {"code", w.code}, {"found", w.found}, {"expected", w.expected}, {"suggest", w.suggest}});

@@ -40,9 +40,11 @@ struct Batch {
 
     const ShadingPoint& at(size_t i) const { return points[i]; }
     bool on_mesh(size_t i) const { return points[i].instance != kNothing; }
-    bool on_triangle(size_t i) const { return on_mesh(i) && mesh(i).shape == Shape::Triangles; }
-    bool on_curve(size_t i) const { return on_mesh(i) && mesh(i).shape == Shape::Curves; }
-    bool on_sphere(size_t i) const { return on_mesh(i) && mesh(i).shape == Shape::Spheres; }
+    /// False within a body (medium points), where there is nothing to interpolate on.
+    bool on_surface(size_t i) const { return on_mesh(i) && points[i].triangle != kNothing; }
+    bool on_triangle(size_t i) const { return on_surface(i) && mesh(i).shape == Shape::Triangles; }
+    bool on_curve(size_t i) const { return on_surface(i) && mesh(i).shape == Shape::Curves; }
+    bool on_sphere(size_t i) const { return on_surface(i) && mesh(i).shape == Shape::Spheres; }
     const InstanceFrame& frame(size_t i) const { return on_mesh(i) && !moved.empty() ? moved[i] : on_mesh(i) ? scene.surfaces->frame(points[i].instance) : points[i].lamp ? *points[i].lamp : kIdentityFrame; }
     const Mesh& mesh(size_t i) const { return scene.surfaces->mesh_of(points[i].instance); }
     const Instance& instance(size_t i) const { return scene.surfaces->instances()[points[i].instance]; }
@@ -55,9 +57,9 @@ struct Batch {
             const Transform& m = s.lamp->world_to_object;
             return s.distance < std::numeric_limits<float>::max() ? m.point(s.p) : m.vector(s.p);  // a sun's position is a direction
         }
-        const Mesh& m = mesh(i);
         const ShadingPoint& s = points[i];
-        if (m.shape != Shape::Triangles) return frame(i).world_to_object.point(s.p);
+        if (!on_triangle(i)) return frame(i).world_to_object.point(s.p);
+        const Mesh& m = mesh(i);
         const auto& t = m.triangles[s.triangle];
         return position_at(m, t[0], s.time) * (1 - s.u - s.v) + position_at(m, t[1], s.time) * s.u + position_at(m, t[2], s.time) * s.v;
     }
@@ -116,6 +118,7 @@ struct Batch {
     Vec3f undeformed(size_t i) const {
         const Mesh& m = mesh(i);
         const ShadingPoint& s = points[i];
+        if (!on_surface(i)) return p_object(i);
         if (m.shape == Shape::Spheres) return m.positions[s.triangle];
         if (m.shape == Shape::Curves) return m.positions[m.curve_first[segment(i).curve]];
         if (!m.moves()) return p_object(i);
@@ -177,7 +180,7 @@ struct Batch {
         return {(p * c - q * b) / det, (q * a - p * b) / det, 0};
     }
     Vec3f tangent_object(size_t i) const {
-        if (!on_mesh(i)) return {1, 0, 0};
+        if (!on_triangle(i)) return {1, 0, 0};
         const auto& table = scene.surfaces->tables_of(points[i].instance).tangents();
         const ShadingPoint& s = points[i];
         if (on_triangle(i) && !table.tangents.empty()) {
@@ -190,6 +193,7 @@ struct Batch {
     }
     /// Stored tangent of a UV map, interpolated: `own` of the map, or the mesh's where it is null. Zero without either.
     Vec3f map_tangent(size_t i, const Tangents* own) const {
+        if (!on_triangle(i)) return Vec3f(0.f);
         const ShadingPoint& s = points[i];
         const auto& corners = own ? own->tangents : scene.surfaces->tables_of(s.instance).tangents().tangents;
         if (corners.size() < 3 * (size_t{s.triangle} + 1)) return Vec3f(0.f);
@@ -321,7 +325,7 @@ float Batch::scalar(Global g, size_t i) const {
         case Global::FootprintArea: return s.footprint * s.footprint;
         case Global::ObjectIndex: return on_mesh(i) ? static_cast<float>(instance(i).pass_index) : 0.f;
         case Global::MaterialIndex: {
-            if (!on_mesh(i)) return 0;
+            if (!on_triangle(i)) return 0;
             const uint32_t m = scene.surfaces->material(s.instance, s.triangle);
             return m < scene.material_pass_index.size() ? static_cast<float>(scene.material_pass_index[m]) : 0.f;
         }
@@ -473,7 +477,7 @@ std::shared_ptr<const Tangents> tangents_of(const Mesh& mesh, const Attribute* m
 
 }  // namespace
 
-InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
+InputPlan::InputPlan(const Program& program, const Surfaces& surfaces, bool in_volume) {
     for (const ProgramInput& in : program.inputs()) {
         Entry e{in, {}};
         if (in.is_attribute) {
@@ -484,6 +488,7 @@ InputPlan::InputPlan(const Program& program, const Surfaces& surfaces) {
             if (tangents) e.tangents_by_mesh.resize(surfaces.meshes().size());
             for (size_t m = 0; m < surfaces.meshes().size(); ++m) {
                 e.attribute_by_mesh[m] = find_attribute(*surfaces.meshes()[m], name);
+                if (in_volume && e.attribute_by_mesh[m] && e.attribute_by_mesh[m]->domain != Domain::Mesh) e.attribute_by_mesh[m] = nullptr;
                 if (tangents) e.tangents_by_mesh[m] = tangents_of(*surfaces.meshes()[m], e.attribute_by_mesh[m]);
             }
         }
@@ -537,7 +542,7 @@ std::span<const Channel<float>> InputGather::gather(const InputPlan& plan, const
                         continue;
                     }
                     case InputPlan::Part::TangentSign:
-                        out[i] = !on_mesh || !e.tangents_by_mesh[m] ? batch.tangent_sign(i) : e.tangents_by_mesh[m]->signs[size_t{3} * s.triangle];
+                        out[i] = !batch.on_triangle(i) || !e.tangents_by_mesh[m] ? batch.tangent_sign(i) : e.tangents_by_mesh[m]->signs[size_t{3} * s.triangle];
                         continue;
                     case InputPlan::Part::StepX:
                     case InputPlan::Part::StepY:

@@ -24,7 +24,7 @@ enum RayKind : uint32_t {
 struct RayHistory {
     Vec3f origin, direction;
     uint32_t kinds = kRayCamera;
-    uint16_t depth = 0, diffuse = 0, glossy = 0, transmission = 0, transparent = 0;
+    uint16_t depth = 0, diffuse = 0, glossy = 0, transmission = 0, transparent = 0, volume = 0;
     float previous_alpha = 0;  ///< width of the lobe that cast the ray (alShaders' roughness message)
     float time = 0.5f;         ///< of the shutter, 0..1
 };
@@ -38,7 +38,8 @@ struct InputScene {
 
 class InputPlan {
   public:
-    InputPlan(const Program& program, const Surfaces& surfaces);
+    /// in_volume: points lie within bodies, where only attributes of the whole mesh have a value.
+    InputPlan(const Program& program, const Surfaces& surfaces, bool in_volume = false);
     /// What of an attribute is read, by the suffix of its name (nodes/input/attribute.cpp).
     enum class Part : uint8_t {
         Value,

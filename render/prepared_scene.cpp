@@ -87,7 +87,7 @@ void finish(PreparedScene& p) {
     p.has_transparent_shadows = false;
     for (const auto& m : p.materials) {
         p.material_pass_index.push_back(m->material.pass_index);
-        p.has_transparent_shadows |= m->shadow != nullptr;
+        p.has_transparent_shadows |= m->shadow != nullptr || m->boundary_only;
     }
 }
 

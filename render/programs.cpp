@@ -7,9 +7,9 @@
 namespace alder {
 namespace {
 
-std::shared_ptr<const SceneProgram> resolved(std::shared_ptr<const Program> p, const Surfaces& surfaces) {
+std::shared_ptr<const SceneProgram> resolved(std::shared_ptr<const Program> p, const Surfaces& surfaces, bool in_volume = false) {
     if (!p) return nullptr;
-    InputPlan plan(*p, surfaces);
+    InputPlan plan(*p, surfaces, in_volume);
     return std::make_shared<SceneProgram>(SceneProgram{std::move(p), std::move(plan)});
 }
 
@@ -37,7 +37,7 @@ std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& ma
                                                          Diagnostics& d) {
     auto m = std::make_shared<MaterialPrograms>();
     m->material = material;
-    if (!material.graph || !material.graph->has_surface()) return m;
+    if (!material.graph || (!material.graph->has_surface() && !material.graph->has_volume())) return m;
     Diagnostics own;
     const auto compile = [&](LobeFilter lobes) {
         ProgramRequest request;
@@ -46,15 +46,18 @@ std::shared_ptr<const MaterialPrograms> compile_material(const SceneMaterial& ma
         request.fade_noise = settings.noise_filter;
         return material.graph->program(request, own);
     };
-    const auto surface = compile(LobeFilter::Surface);
-    std::shared_ptr<const Program> shadow, emission;
-    if (own.ok()) shadow = compile(LobeFilter::Transparency | LobeFilter::Shadow);
+    std::shared_ptr<const Program> surface, shadow, emission, volume;
+    if (material.graph->has_volume()) volume = material.graph->program({.volume = true}, own);
+    if (own.ok() && material.graph->has_surface()) surface = compile(LobeFilter::Surface);
+    if (own.ok() && surface) shadow = compile(LobeFilter::Transparency | LobeFilter::Shadow);
     if (own.ok() && surface && surface->facts().has_emission) emission = compile(LobeFilter::Emission);
     const bool ok = own.ok();
     append(d, std::move(own), "/materials/" + material.name);
     if (!ok) return nullptr;
 
     m->surface = resolved(surface, surfaces);
+    if (volume && !volume->lobes().empty()) m->volume = resolved(volume, surfaces, true);
+    m->boundary_only = !surface && volume;
     if (shadow && shadow->facts().may_be_transparent) m->shadow = resolved(shadow, surfaces);
     if (emission && emission->facts().has_emission) {
         const ProgramFacts& facts = emission->facts();

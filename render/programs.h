@@ -20,6 +20,8 @@ struct MaterialPrograms {
     std::shared_ptr<const SceneProgram> surface;   ///< all lobes; null: the surface absorbs everything
     std::shared_ptr<const SceneProgram> shadow;    ///< null: opaque to shadow rays
     std::shared_ptr<const SceneProgram> emission;  ///< null: emits nothing
+    std::shared_ptr<const SceneProgram> volume;    ///< what lies within; null: nothing
+    bool boundary_only = false;                    ///< no surface, but a volume: rays go through
     bool emission_constant = false;
     Vec3f emission_value{0, 0, 0};
 };

@@ -223,6 +223,9 @@ void ProgressiveRender::collect(std::unique_ptr<Worker> w) {
     stats_.subsurface_rays += c.subsurface_rays;
     stats_.timed_paths += c.timed_paths;
     stats_.shading_points += c.shading_points;
+    stats_.medium_segments += c.medium_segments;
+    stats_.medium_points += c.medium_points;
+    stats_.media_ignored += c.media_ignored;
     stats_.nonfinite_samples += c.nonfinite_samples;
     const ExecStats e = w->executed();
     stats_.node_evaluations += e.evaluations;

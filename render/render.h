@@ -44,6 +44,8 @@ struct RenderStats {
     double build_seconds = 0, compile_seconds = 0, render_seconds = 0;
     uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0;
     uint64_t timed_paths = 0;            ///< paths that were given a time: none where nothing moves
+    uint64_t medium_segments = 0, medium_points = 0;  ///< parts of rays within media; points at which volumes were evaluated
+    uint64_t media_ignored = 0;                       ///< boundaries crossed within too many media to remember another
     uint64_t shading_points = 0, node_evaluations = 0, node_skipped = 0, nonfinite_samples = 0;
     int samples = 0;                     ///< taken per pixel
     double estimated_error = 0;

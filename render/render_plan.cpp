@@ -14,7 +14,7 @@ RenderSettings settled(RenderSettings s, const RenderRequest& r) {
     s.height = std::clamp(s.height, 1, 1 << 16);
     s.samples = std::max(s.samples, 1);
     // Depths are counted in 16 bits.
-    for (int* b : {&s.max_bounces, &s.diffuse_bounces, &s.glossy_bounces, &s.transmission_bounces, &s.transparent_bounces})
+    for (int* b : {&s.max_bounces, &s.diffuse_bounces, &s.glossy_bounces, &s.transmission_bounces, &s.volume_bounces, &s.transparent_bounces})
         *b = std::clamp(*b, 0, 30000);
     return s;
 }
@@ -40,6 +40,7 @@ RenderPlan::RenderPlan(const PreparedScene& s, const RenderRequest& r)
         height = std::clamp(r.crop[3], crop_y + 1, settings.height) - crop_y;
     }
     inputs = {s.surfaces.get(), &camera, s.material_pass_index};
+    media = MediaPlan::make(s.materials, s.world->volume.get(), inputs, s.scene->camera.to_world.point(Vec3f(0.f)), s.workers->context());
 
     for (const auto& m : s.materials)
         if (m->material.graph)

@@ -11,6 +11,7 @@
 #include "render/prepared_scene.h"
 #include "render/scene_query.h"
 #include "render/shutter.h"
+#include "render/volume/media.h"
 
 namespace alder {
 
@@ -28,6 +29,7 @@ struct RenderPlan {
     std::shared_ptr<const AovPlan> aovs;           ///< shared with pictures, which outlive the render
     std::vector<std::string> graph_aovs;             ///< what the materials compute
     InputScene inputs;
+    std::unique_ptr<const MediaPlan> media;  ///< null: the scene has none
     SurfaceQuery query;  ///< for nodes that cast rays
 
     /// Of each material: the surface program, and the one with AOVs for what the camera sees (the same where it has none).

@@ -28,6 +28,7 @@ inline constexpr uint32_t kSetTime = 1;    ///< when, where something moves
 inline constexpr uint32_t kSetsOfCamera = 2, kSetsPerVertex = 4;
 inline constexpr uint32_t set_scatter(uint32_t vertex) { return kSetsOfCamera + kSetsPerVertex * vertex; }  ///< u1 u2, lobe, roulette
 inline constexpr uint32_t set_light(uint32_t vertex) { return set_scatter(vertex) + 1; }                   ///< u1 u2, choice of light
+inline constexpr uint32_t set_media(uint32_t vertex) { return set_scatter(vertex) + 3; }  ///< on the way to the vertex: distance, channel
 inline constexpr uint32_t set_walk(uint32_t vertex) { return set_scatter(vertex) + 2; }  ///< inside a body: WalkNumbers
 
 /// A well-mixed 32-bit hash (a bijection of x for each seed).

@@ -145,7 +145,7 @@ struct RenderSettings {
     int width = 512, height = 512;
     int samples = 64;
     uint32_t seed = 0;
-    int max_bounces = 12, diffuse_bounces = 12, glossy_bounces = 12, transmission_bounces = 12, transparent_bounces = 32;
+    int max_bounces = 12, diffuse_bounces = 12, glossy_bounces = 12, transmission_bounces = 12, volume_bounces = 12, transparent_bounces = 32;
     float clamp_direct = 0, clamp_indirect = 0;   ///< 0 = off
     bool film_transparent = false;
     float filter_width = 1;   ///< pixels; 1 with Box is the pixel itself

@@ -86,6 +86,9 @@ void SurfaceQuery::bevel(const Point& point, float radius, int samples, float no
     const auto instance = static_cast<uint32_t>(point.instance);
     const Frame about = cycles_frame(ng);
     const Lattice lattice(point.seed, samples);
+    // Of a probe's hits four are taken at random, as Cycles does: the mean of the normalised sums is the shorter, the fewer there are.
+    constexpr int kHitsKept = 4;
+    auto random = static_cast<uint32_t>(point.seed) ^ 0x64c6a40eu;
     Vec3f sum(0.f);
     for (int i = 0; i < samples; ++i) {
         Disk xi = lattice.point(i);
@@ -107,17 +110,26 @@ void SurfaceQuery::bevel(const Point& point, float radius, int samples, float no
         const float density = falloff(radius, r);
         if (!(density > 0) || !(height > 0)) continue;
         Ray ray{p + axis * height + t * (r * std::cos(phi)) + b * (r * std::sin(phi)), -axis, 0, 2 * height};
-        for (int hits = 0; hits < kMostProbeHits; ++hits) {
+        Hit kept[kHitsKept];
+        int hits = 0;
+        while (hits < kMostProbeHits) {
             Hit hit;
             if (!surfaces_.accel().intersect_instance(instance, ray, hit)) break;
+            const int place = hits < kHitsKept ? hits : static_cast<int>((random = random * 1664525u + 1013904223u) >> 8) % (hits + 1);
+            if (place < kHitsKept) kept[place] = hit;
+            ++hits;
             ray.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
+            if (!(ray.t_min < ray.t_max)) break;
+        }
+        const float share = std::max(1.f, static_cast<float>(hits) / kHitsKept);
+        for (int h = 0; h < std::min(hits, kHitsKept); ++h) {
+            const Hit& hit = kept[h];
             const ShadingPoint s = surfaces_.point(hit.instance, hit.triangle, hit.u, hit.v, ray.direction, hit.t);
             const Vec3f outside = s.backfacing ? -s.n : s.n;
             const float along = pick_axis * std::abs(dot(axis, s.ng)), along_t = pick_t * std::abs(dot(t, s.ng)), along_b = pick_b * std::abs(dot(b, s.ng));
             const float squares = along * along + along_t * along_t + along_b * along_b;
             // Power heuristic over the axes; the axis' own density cancels.
-            if (squares > 0) sum += outside * (along / squares * falloff(radius, length(s.p - p)) / density);
-            if (!(ray.t_min < ray.t_max)) break;
+            if (squares > 0) sum += outside * (share * along / squares * falloff(radius, length(s.p - p)) / density);
         }
     }
     const Vec3f n = safe_normalize(sum);

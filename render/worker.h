@@ -25,7 +25,12 @@ namespace alder {
 
 struct WorkerCounters {
     uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0, subsurface_rays = 0, timed_paths = 0, shading_points = 0, nonfinite_samples = 0;
+    uint64_t medium_segments = 0, medium_points = 0;  ///< parts of rays within media; evaluations of volume programs
+    uint64_t media_ignored = 0;                       ///< boundaries crossed with no room to remember them
 };
+
+/// Boundaries of volumes without a surface that one ray may pass (Cycles' limit).
+inline constexpr int kMostBoundaries = 1024;
 
 /// The layer a lobe's light goes to; glass counts by the side it leaves on (as in Cycles).
 inline LobeLabel label_of(const LobeSpec& spec, bool is_transmission) {
@@ -62,6 +67,13 @@ class Worker {
         kScattered = 2,       ///< has left the first surface: its layers are decided
         kDiffuseBefore = 4,   ///< scattered by a diffuse lobe somewhere
         kLastVertex = 8,      ///< bounces used up: emission and transparency only
+        kWithin = 16,         ///< scatters within a medium before the surface of this depth
+        kInnerDone = 32,      ///< has scattered once within an Interior: no more there
+    };
+    /// Independent uniform numbers.
+    struct Numbers {
+        uint32_t state = 0, count = 0;
+        float next() { return unit_float(hash32(state + 0x9e3779b9u * ++count)); }
     };
     struct Path {
         RayHistory history;
@@ -74,6 +86,8 @@ class Worker {
         uint32_t slot = 0;      ///< row of the sample
         uint16_t vertex = 0;
         uint8_t flags = 0;
+        uint8_t media = 0;      ///< how many media it is inside of: inside_
+        uint16_t boundaries = 0;  ///< of media passed that have no surface
         Hit hit;
     };
     using LabelWeights = std::array<Vec3f, kScatterLabels>;
@@ -85,6 +99,42 @@ class Worker {
         uint16_t depth, transparent;
         uint8_t light_group;
         bool direct, scattered, casts;
+        uint8_t media = 0;      ///< how many media it is inside of: shadow_inside_
+        uint16_t boundaries = 0;
+        uint32_t inside = 0;    ///< the first of them
+        Numbers numbers;        ///< of tracking
+    };
+    /// A part of a ray within media that has to be tracked.
+    struct Track {
+        uint32_t target;        ///< path or shadow ray
+        bool is_path;
+        bool can_scatter;       ///< else: what passes
+        bool scattered = false;
+        const InsideOf* inside;
+        uint8_t count;
+        Vec3f origin, direction;
+        float t, t_end;
+        float least = 0;        ///< collisions per length that emission of constant media asks for
+        float majorant = 0;
+        MediumValues constant, here;  ///< of homogeneous media; of all at the collision
+        Vec3f weight{1, 1, 1}, light{0, 0, 0};
+        Numbers numbers;
+    };
+    /// A volume program wanted at a track's collision.
+    struct Lookup {
+        uint32_t track, medium, instance;
+    };
+    /// A path that scatters within media.
+    struct Event {
+        uint32_t path;
+        float t;
+        uint32_t first, count;  ///< of event_lobes_
+    };
+    /// A lamp that a path's ray meets.
+    struct MetLamp {
+        uint32_t path, lamp;
+        LampSample sample;
+        Vec3f factor;
     };
     /// A path that entered a body.
     struct PendingWalk {
@@ -118,18 +168,42 @@ class Worker {
     void expose(float* row) const;
     // stages/intersect.cpp
     void intersect();
-    void meet_lamps(uint32_t path, float t_max);
+    void meet_lamps();
     void meet_background();
     void group_hits();
+    // stages/media.cpp
+    void find_media(Path& path, uint32_t index);
+    void start_inside();
+    void traverse_media();
+    void traverse_homogeneous(Path& path, uint32_t index, const MediumValues& v, float t_end);
+    void take_event(uint32_t track);
+    void append_constant_phases(const Path& path, uint32_t index);
+    void scatter_in_media();
+    MediumValues constant_part(const InsideOf* inside, uint32_t count, bool& varies) const;
+    MediumValues own_values(const Path* path, const InsideOf& m) const;
+    void dim_lamps();
+    void attenuate(std::span<const uint32_t> shadows);
+    bool begin_track(Track& track, Vec3f& passed) const;
+    void run_tracks();
+    bool next_collision(Track& track) const;
+    bool resolve_collision(Track& track);
+    void look_up();
+    InsideOf* inside(uint32_t path) { return inside_.data() + size_t{path} * plan_->media->depth(); }
+    void cross(InsideOf* inside, uint8_t& count, const ShadingPoint& point, const Lobe<float>* interior);
+    void pass_boundary(Path& path, uint32_t index);
+    void start_in_media(ShadowRay& s, const Path& path, uint32_t index, const ShadingPoint& point, Vec3f wi);
     // stages/surface.cpp
     void shade_surfaces();
     void shade_batch(const SceneProgram& program, const RenderPlan::SurfacePrograms& programs, bool with_aovs, std::span<const uint32_t> paths);
     void gather_lobes(const Program& program);
+    void add_interior(const Lobe<float>& lobe);
     std::span<Lobe<float>> load_lobes(const Path& path, size_t i);
     bool shade_point(Path& path, uint32_t index, const ShadingPoint& point, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
     void record_data(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf, const RenderPlan::SurfacePrograms& programs, const Program& program, bool with_aovs, size_t i);
     void emit(const Path& path, const ShadingPoint& point, const Bsdf<float>& bsdf);
     bool scatter(Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf);
+    void remember_shares(const Path& path, const Bsdf<float>& bsdf, const BsdfSample<float>& s, std::span<const Vec3f> per_lobe);
+    static bool survives(Path& path, float u);
     // stages/subsurface.cpp
     void scatter_subsurface();
     void bump_leaving(std::span<const uint32_t> which);
@@ -140,6 +214,7 @@ class Worker {
     void trace_shadows();
     void shade_shadows(std::vector<uint32_t>& rays);
     void shade_shadow_batch(const SceneProgram* program, std::span<const uint32_t> rays);
+    void pass_shadow_boundaries(std::span<const uint32_t> rays);
     void land(const ShadowRay& ray);
 
     // contributions
@@ -177,6 +252,19 @@ class Worker {
     std::vector<Vec3f> per_lobe_;
     const std::vector<ProgramLobe>* current_lobes_ = nullptr;
 
+    // of media; empty where the scene has none
+    std::vector<InsideOf> inside_, shadow_inside_;
+    std::vector<Track> tracks_;
+    std::vector<uint32_t> tracks_alive_, media_rays_;
+    std::vector<Lookup> lookups_;
+    std::vector<Event> events_;
+    std::vector<Lobe<float>> event_lobes_, looked_up_;
+    std::vector<uint32_t> looked_up_track_;  ///< by lobe of looked_up_
+    std::vector<RayHistory> media_history_;
+    Lobe<float> interior_;           ///< of the point being shaded
+    bool has_interior_ = false;
+
+    std::vector<MetLamp> met_;
     std::vector<ShadowRay> shadows_;
     std::vector<PendingEmission> pending_;
     std::vector<FoundLight> found_;

@@ -63,6 +63,8 @@ std::optional<Daemon::StartError> Daemon::start() {
     door_ = std::make_unique<http::Door>(options_.limits, [service](http::Request& request) { return service->handle(request); });
     if (const std::string error = door_->listen(options_.listen); !error.empty()) return wrong(error);
     service_->metrics.gauge("alder_connections", [door = door_.get()] { return static_cast<double>(door->connections()); });
+    // Before anyone can know of it: no request comes first in the log.
+    log_event("info", "listening", {{"address", door_->address()}, {"port", door_->port()}, {"data", options_.data}, {"pid", getpid()}, {"version", ALDER_VERSION}});
     if (!options_.port_file.empty() && !write_durably(options_.port_file, door_->address() + "\n"))
         return StartError{3, fmt::format("cannot write {}", options_.port_file)};
     door_->start();
@@ -103,6 +105,7 @@ void Daemon::warm_up() {
 bool Daemon::stop() {
     if (!service_ || !door_) return true;
     service_->draining = true;
+    service_->live.stop();   // streams end
     const auto start = std::chrono::steady_clock::now();
     service_->renders.stop(options_.stop_seconds / 2);   // who waits for a render is answered now: it is on disk and goes on later
     return door_->stop(options_.stop_seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

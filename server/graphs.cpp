@@ -16,7 +16,10 @@ namespace {
 http::Response constant_json(http::Request& request, const nlohmann::json& value) {
     http::Response r = json_response(200, value);
     const std::string etag = "\"" + sha256_hex(r.body).substr(0, 32) + "\"";
-    if (none_match_names(request, etag)) r = http::Response{304, {}, {}, {}, false};
+    if (none_match_names(request, etag)) {
+        r = {};
+        r.status = 304;
+    }
     r.set("ETag", etag);
     r.set("Cache-Control", "no-cache");
     return r;

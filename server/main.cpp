@@ -27,7 +27,6 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "alderd: %s\n", error->sentence.c_str());
         return error->exit_status;
     }
-    log_event("info", "listening", {{"address", daemon.address()}, {"port", daemon.port()}, {"data", options.data}, {"pid", getpid()}, {"version", ALDER_VERSION}});
     daemon.warm_up();
 
     for (int s = 0;;) {

@@ -140,6 +140,11 @@ http::Response post_preview(Service& s, http::Request& request) {
         const Image image = render(*prepared, p.render, stats);
         timings.render = since(rendering);
         if (cancel) throw Problem{"cancelled", "the client hung up, or the daemon is stopping"};
+        if (p.strict) {   // a file may break off in the middle
+            if (scene) require_files(*prepared->scene, d);
+            for (const Diagnostic& fault : material->file_faults()) d.errors.push_back(fault);
+        }
+        if (!d.ok()) throw problem_from("scene-invalid", d);
         response = picture(image, type, p.view, stats, d, timings);
         s.count_render(stats);
     });

@@ -6,11 +6,7 @@ namespace alder {
 
 http::Response post_renders(Service& s, http::Request& request) {
     const nlohmann::json body = s.read_json(request);
-    if (body.is_object() && body.value("mode", nlohmann::json()) == "live") {
-        Diagnostics d;
-        d.errors.push_back({"/mode", "unsupported", "\"live\"", "\"final\": live renders are not available in this version", {}});
-        throw problem_from("settings-invalid", d);
-    }
+    if (body.is_object() && body.value("mode", nlohmann::json()) == "live") return post_live_render(s, request, body);
     return post_final_render(s, request, body);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/access.h"
+#include "server/openapi.h"
 
 namespace alder {
 namespace {
@@ -28,6 +29,7 @@ constexpr Route kRoutes[] = {
     {"GET", "/readyz", get_readyz, kScopeNone},
     {"GET", "/metrics", get_metrics, kScopeRead},
     {"GET", "/problems/{type}", get_problem, kScopeNone},
+    {"GET", "/v1/openapi.json", get_openapi, kScopeRead},
     {"GET", "/v1/version", get_version, kScopeRead},
     {"GET", "/v1/nodes", get_nodes, kScopeRead},
     {"GET", "/v1/nodes/{type}", get_node, kScopeRead},
@@ -47,6 +49,7 @@ constexpr Route kRoutes[] = {
     {"DELETE", "/v1/scenes/{id}", delete_scene, kScopeEdit},
     {"GET", "/v1/scenes/{id}/materials/{name}", get_scene_material, kScopeRead},
     {"PUT", "/v1/scenes/{id}/materials/{name}", put_scene_material, kScopeEdit},
+    {"PATCH", "/v1/scenes/{id}/materials/{name}", patch_scene_material, kScopeEdit},
     {"POST", "/v1/renders", post_renders, kScopeRender},
     {"GET", "/v1/renders", get_renders, kScopeRead},
     {"GET", "/v1/renders/{id}", get_render, kScopeRead},
@@ -62,6 +65,14 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/renders/{id}/snapshot.exr", get_render_snapshot_exr, kScopeRead},
     {"GET", "/v1/renders/{id}/snapshot.png", get_render_snapshot_png, kScopeRead},
     {"GET", "/v1/renders/{id}/snapshot.jpg", get_render_snapshot_jpg, kScopeRead},
+    {"GET", "/v1/renders/{id}/graph", only_live, kScopeRead},
+    {"PUT", "/v1/renders/{id}/graph", only_live, kScopeRender},
+    {"PATCH", "/v1/renders/{id}/graph", only_live, kScopeRender},
+    {"GET", "/v1/renders/{id}/pixel", only_live, kScopeRead},
+    {"GET", "/v1/renders/{id}/events", get_render_events, kScopeRead},
+    {"GET", "/v1/renders/{id}/preview.mjpg", only_live, kScopeRead},
+    {"GET", "/v1/renders/{id}/stream", only_live, kScopeRead},
+    {"GET", "/v1/renders/{id}/tiles", only_live, kScopeRead},
 };
 
 /// Whether the path fits; fills the parameters. A literal segment beats a {name} because its route comes first in the table.
@@ -85,6 +96,12 @@ bool fits(std::string_view pattern, const std::vector<std::string>& segments, st
 }
 
 }  // namespace
+
+std::vector<RouteInfo> route_list() {
+    std::vector<RouteInfo> list;
+    for (const Route& r : kRoutes) list.push_back({r.method, r.path, r.scope});
+    return list;
+}
 
 bool known_method(const std::string& method) {
     static constexpr std::array<std::string_view, 7> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};

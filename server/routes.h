@@ -1,8 +1,9 @@
 // Routes: all of them on one page, one line each.
 #pragma once
+#include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "server/http/message.h"
 
@@ -56,6 +57,13 @@ http::Response get_scene(Service&, http::Request&);
 http::Response delete_scene(Service&, http::Request&);
 http::Response get_scene_material(Service&, http::Request&);
 http::Response put_scene_material(Service&, http::Request&);
+http::Response patch_scene_material(Service&, http::Request&);
+// live/live_routes.cpp
+http::Response post_live_render(Service&, http::Request&, const nlohmann::json& body);
+/// The answer where the request is about a live render; nothing where its id is none.
+std::optional<http::Response> live_route(Service&, http::Request&);
+/// For paths that only live renders have.
+http::Response only_live(Service&, http::Request&);
 // renders.cpp
 http::Response post_renders(Service&, http::Request&);
 // jobs/routes.cpp
@@ -71,6 +79,7 @@ http::Response get_render_outputs(Service&, http::Request&);
 http::Response get_render_output(Service&, http::Request&);
 http::Response get_render_log(Service&, http::Request&);
 http::Response get_render_stats(Service&, http::Request&);
+http::Response get_render_events(Service&, http::Request&);
 http::Response get_render_snapshot_exr(Service&, http::Request&);
 http::Response get_render_snapshot_png(Service&, http::Request&);
 http::Response get_render_snapshot_jpg(Service&, http::Request&);

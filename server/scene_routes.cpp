@@ -125,24 +125,37 @@ http::Response get_scene_material(Service& s, http::Request& request) {
     return response;
 }
 
-http::Response put_scene_material(Service& s, http::Request& request) {
+namespace {
+
+http::Response edit_scene_material(Service& s, http::Request& request, bool is_patch) {
     best_type(request, {"application/json"});
     const bool lenient = query_lenient(request);
     const std::string id = request.parameters["id"], name = request.parameters["name"];
     s.scenes.get(id);   // 404 before 428
     if (!request.header("if-match")) require_match(request, "GET it first");
-    const nlohmann::json graph = s.read_json(request);
+    const nlohmann::json body = s.read_json(request);
+    const std::string token = live::edit_token(request);
     http::Response response;
     s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
         Diagnostics d;
-        const auto edit = s.scenes.put_material(s.engine, s.assets, id, name, graph, lenient,
-                                                [&](const nlohmann::json& current) { require_match(request, graph_etag(current)); }, d);
+        const auto edit = s.scenes.edit_material(s.engine, s.assets, id, name, lenient,
+                                                 [&](const nlohmann::json& current) {
+                                                     require_match(request, graph_etag(current));
+                                                     return is_patch ? live::patched(request, current, body) : body;
+                                                 }, d);
+        s.live.scene_changed(id, {edit.after->prepared, edit.scene->etag}, token);
         const nlohmann::json changed = edit.rebuild == "none" ? nlohmann::json::array() : nlohmann::json::array({"materials/" + name});
-        response = json_response(200, {{"changed", changed}, {"rebuild", edit.rebuild}, {"scene", {{"revision", edit.scene->revision}, {"etag", edit.scene->etag}}},
-                                       {"warnings", to_json(d.warnings)}});
-        response.set("ETag", graph_etag(graph));
+        response = json_response(200, {{"changed", changed}, {"rebuild", edit.rebuild}, {"reused", live::reused(*edit.before->prepared, *edit.after->prepared)},
+                                       {"scene", {{"revision", edit.scene->revision}, {"etag", edit.scene->etag}}}, {"warnings", to_json(d.warnings)}});
+        response.set("ETag", graph_etag(edit.graph));
+        if (!token.empty()) response.set("Alder-Edit-Id", token);
     });
     return response;
 }
+
+}  // namespace
+
+http::Response put_scene_material(Service& s, http::Request& request) { return edit_scene_material(s, request, false); }
+http::Response patch_scene_material(Service& s, http::Request& request) { return edit_scene_material(s, request, true); }
 
 }  // namespace alder

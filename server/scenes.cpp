@@ -188,9 +188,8 @@ std::shared_ptr<const LoadedScene> SceneStore::load(Engine& engine, AssetStore& 
     return loaded;
 }
 
-SceneStore::Edit SceneStore::put_material(Engine& engine, AssetStore& assets, const std::string& id, const std::string& name,
-                                          const nlohmann::json& graph, bool lenient,
-                                          const std::function<void(const nlohmann::json& current)>& check, Diagnostics& d) {
+SceneStore::Edit SceneStore::edit_material(Engine& engine, AssetStore& assets, const std::string& id, const std::string& name, bool lenient,
+                                           const std::function<nlohmann::json(const nlohmann::json& current)>& edit, Diagnostics& d) {
     const auto mutex = edit_mutex(id);
     const std::lock_guard lock(*mutex);
     const auto scene = get(id);
@@ -198,7 +197,7 @@ SceneStore::Edit SceneStore::put_material(Engine& engine, AssetStore& assets, co
     const size_t index = loaded->material_index(name);
     if (index == loaded->scene->materials.size()) throw Problem{"not-found", fmt::format("the scene has no material '{}'", name)};
     const auto before = loaded->scene->materials[index].graph;
-    check(before->document());
+    nlohmann::json graph = edit(before->document());
     const auto material = engine.material(graph, "", lenient, d);
 
     auto next = std::make_shared<SceneRevision>(*scene);
@@ -213,8 +212,8 @@ SceneStore::Edit SceneStore::put_material(Engine& engine, AssetStore& assets, co
     if (!result->prepared || !d.ok()) throw problem_from("graph-invalid", d);
     result->scene = std::move(edited);
     keep(next);
-    remember(*next, std::move(result));
-    return {next, rebuild_class(*before, *material)};
+    remember(*next, result);
+    return {next, rebuild_class(*before, *material), std::move(graph), loaded, result};
 }
 
 std::shared_ptr<const PreparedScene> SceneStore::with_graph(Engine& engine, AssetStore& assets, const SceneRevision& scene,

@@ -51,11 +51,13 @@ class SceneStore {
     struct Edit {
         std::shared_ptr<const SceneRevision> scene;
         std::string rebuild;   ///< none, shading, lights, geometry
+        nlohmann::json graph;
+        std::shared_ptr<const LoadedScene> before, after;
     };
-    /// Replaces one graph. `check` is called with the current graph while no other edit of the scene can come between; it
+    /// Replaces one graph by what `edit` makes of it. It is called while no other edit of the scene can come between, and
     /// throws where the edit may not go on.
-    Edit put_material(Engine& engine, AssetStore& assets, const std::string& id, const std::string& name, const nlohmann::json& graph,
-                      bool lenient, const std::function<void(const nlohmann::json& current)>& check, Diagnostics& d);
+    Edit edit_material(Engine& engine, AssetStore& assets, const std::string& id, const std::string& name, bool lenient,
+                       const std::function<nlohmann::json(const nlohmann::json& current)>& edit, Diagnostics& d);
     /// The scene with one material replaced, for a preview; nothing is kept of it.
     std::shared_ptr<const PreparedScene> with_graph(Engine& engine, AssetStore& assets, const SceneRevision& scene, const std::string& name,
                                                     std::shared_ptr<const Material> material, Diagnostics& d);

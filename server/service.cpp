@@ -51,7 +51,8 @@ Service::Service(const ServiceOptions& o)
       results(static_cast<size_t>(o.cache_mib) << 20),
       renders(options, assets, metrics),
       compile_lane("compile", engine_workers(o.threads), static_cast<size_t>(o.queue)),
-      preview_lane("preview", 1, static_cast<size_t>(o.queue)) {
+      preview_lane("preview", 1, static_cast<size_t>(o.queue)),
+      live(metrics) {
     access.allowed_origins = o.allowed_origins;
     assets.set_quota(static_cast<uint64_t>(o.store_gib) << 30);
     metrics.gauge("alder_store_asset_bytes", [this] { return static_cast<double>(assets.bytes()); });
@@ -59,6 +60,8 @@ Service::Service(const ServiceOptions& o)
         metrics.gauge("alder_" + lane->name() + "_queued", [lane] { return static_cast<double>(lane->queued()); });
         metrics.gauge("alder_" + lane->name() + "_running", [lane] { return static_cast<double>(lane->running()); });
     }
+    metrics.gauge("alder_live_renders", [this] { return static_cast<double>(live.size()); });
+    metrics.gauge("alder_streams", [this] { return static_cast<double>(live.streams()); });
     metrics.gauge("alder_result_cache_bytes", [this] { return static_cast<double>(results.bytes()); });
     metrics.gauge("alder_material_cache_hits", [this] { return static_cast<double>(engine.materials().counters().hits); });
     metrics.gauge("alder_material_cache_misses", [this] { return static_cast<double>(engine.materials().counters().misses); });
@@ -88,6 +91,7 @@ void Service::watch_textures() {
 }
 
 Service::~Service() {
+    live.stop();
     for (Lane* lane : {&compile_lane, &preview_lane}) lane->stop();
 }
 
@@ -211,6 +215,7 @@ http::Response Service::route(http::Request& request) {
         p.headers.emplace_back("Allow", match.allow);
         throw p;
     }
+    if (auto answer = live_route(*this, request)) return std::move(*answer);
     return match.handler(*this, request);
 }
 

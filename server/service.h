@@ -13,6 +13,7 @@
 #include "server/http/message.h"
 #include "server/jobs/queue.h"
 #include "server/lane.h"
+#include "server/live/live_store.h"
 #include "server/metrics.h"
 #include "server/options.h"
 #include "server/result_cache.h"
@@ -46,6 +47,7 @@ class Service {
     ResultCache results;
     jobs::JobQueue renders;
     Lane compile_lane, preview_lane;
+    live::LiveStore live;
     std::atomic<bool> draining{false};
 
   private:

@@ -247,18 +247,35 @@ class Case:
 
 
 class Stochastic(unittest.TestCase):
-    """Nodes that cast rays: means over many evaluations of each point against the reference's means, on the reference's meshes.
+    """Nodes that cast rays: means over many evaluations of each point against the reference's means, on the reference's meshes, within
+    four times the error that both means have together.
 
-    The tables' means are over a pixel, which at a tenth of the points sees a second face: nine in ten must agree.
+    The table's means are over a whole pixel, at whose middle the point lies: where that saw more than one face, it is not the mean at
+    the point. Ambient Occlusion's table tells these pixels: there its colour is not the face's own times the occlusion. Bevel's has the
+    same points.
     """
 
     EVALUATIONS = 48
+    REFERENCE_EVALUATIONS = 256
 
-    def check(self, name, limit):
+    @staticmethod
+    def table(name):
         paths = glob.glob(os.path.join(ROOT, "cycles_nodes", name + ".json*"))
-        if not paths or not os.path.exists(ALDER):
+        return (load(paths[0]), os.path.dirname(os.path.abspath(paths[0]))) if paths else (None, None)
+
+    def pixels_of_several_faces(self):
+        mixed = set()
+        for case in self.table("ShaderNodeAmbientOcclusion")[0]["cases"]:
+            for p, own, color, open_part in zip(case["context"]["fields"]["P"], case["inputs"]["Color"], case["outputs"]["Color"], case["outputs"]["AO"]):
+                if any(abs(number(c) - o * number(open_part)) > 2e-4 for c, o in zip(color[:3], own)):
+                    mixed.add(tuple(p))
+        return mixed
+
+    def check(self, name):
+        table, folder = self.table(name)
+        if not table or not os.path.exists(ALDER):
             self.skipTest("no table")
-        table, folder = load(paths[0]), os.path.dirname(os.path.abspath(paths[0]))
+        mixed = self.pixels_of_several_faces()
         for case in table["cases"]:
             n, k = case["points"], self.EVALUATIONS
             repeated = lambda v: [x for x in v for _ in range(k)] if isinstance(v, list) and len(v) == n else v
@@ -276,19 +293,31 @@ class Stochastic(unittest.TestCase):
             run = subprocess.run([ALDER, "eval", "-"], input=json.dumps(request), capture_output=True, text=True, timeout=600)
             answer = json.loads(run.stdout)
             self.assertNotIn("error", answer)
+            single = [i for i, p in enumerate(context["fields"]["P"]) if tuple(p) not in mixed]
+            self.assertGreater(len(single), n // 2)
             for output, want in case["outputs"].items():
                 want, got = flat(want), flat(answer["outputs"]["node." + output])
-                width = len(want) // n
-                means = [sum(got[(i * k + j) * width + c] for j in range(k)) / k for i in range(n) for c in range(width)]
-                errors = sorted(max(abs(a - b) for a, b in zip(means[i * width:(i + 1) * width], want[i * width:(i + 1) * width])) for i in range(n))
-                self.assertLess(errors[n * 9 // 10], limit, "%s %s %s: errors %s" % (name, case["properties"], output, errors[-6:]))
-                self.assertLess(errors[n // 2], limit / 3, "%s %s %s: median error" % (name, case["properties"], output))
+                width, given = len(got) // (n * k), len(want) // n
+                reference_error, outside, worst = case["stochastic"]["rms_error_of_mean"][output], [], 0.0
+                for i in single:
+                    for c in range(min(width, given)):
+                        values = [got[(i * k + j) * width + c] for j in range(k)]
+                        mean = sum(values) / k
+                        variance = sum((v - mean) ** 2 for v in values) / (k - 1)
+                        limit = 4 * math.sqrt(variance / k + max(variance / self.REFERENCE_EVALUATIONS, reference_error ** 2))
+                        ratio = abs(mean - want[i * given + c]) / limit
+                        worst = max(worst, ratio)
+                        if ratio > 1:
+                            outside.append((i, round(ratio, 2)))
+                # Four standard errors, themselves estimated: one value in a few thousand lies beyond.
+                self.assertLessEqual(len(outside), max(1, len(single) // 200), "%s %s %s: outside %s of %d, worst %.2f" % (name, case["properties"], output, outside[:6], len(single), worst))
+                self.assertLess(worst, 1.5, "%s %s %s" % (name, case["properties"], output))
 
     def test_ambient_occlusion(self):
-        self.check("ShaderNodeAmbientOcclusion", 0.02)
+        self.check("ShaderNodeAmbientOcclusion")
 
     def test_bevel(self):
-        self.check("ShaderNodeBevel", 0.05)
+        self.check("ShaderNodeBevel")
 
 
 def available():

@@ -70,6 +70,8 @@ Run add_preview(CLI::App& app);
 Run add_merge(CLI::App& app);
 Run add_diff(CLI::App& app);
 Run add_ci(CLI::App& app);
+Run add_bench(CLI::App& app);
+Run add_completion(CLI::App& app);
 Run add_graph(CLI::App& app);
 // jobs.cpp
 Run add_jobs(CLI::App& app);

@@ -11,8 +11,8 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", "alder " ALDER_VERSION);
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> commands;
-    for (const auto add : {add_eval, add_render, add_preview, add_merge, add_diff, add_ci, add_validate, add_graph, add_nodes,
-                           add_jobs, add_show, add_wait, add_cancel, add_logs, add_fetch}) {
+    for (const auto add : {add_eval, add_render, add_preview, add_merge, add_diff, add_ci, add_bench, add_validate, add_graph, add_nodes,
+                           add_jobs, add_show, add_wait, add_cancel, add_logs, add_fetch, add_completion}) {
         Run run = add(app);
         commands.emplace_back(app.get_subcommands({}).back(), std::move(run));
     }

@@ -60,6 +60,7 @@ int run(const Options& o) {
     RenderStats stats;
     const Image image = render(*prepared, request, stats, progress_printer(o.quiet));
     end_progress();
+    if (o.strict) report(o.graph, {material->file_faults(), {}});   // a file may break off in the middle
     View view;
     view.exposure = o.exposure;
     view.layer = o.layer;

@@ -95,6 +95,11 @@ int run(const Options& o) {
     RenderStats stats;
     const Image image = render(*prepared, request, stats, progress_printer(o.quiet, o.progress));
     end_progress();
+    if (o.strict) {   // a file may break off in the middle
+        Diagnostics late;
+        require_files(*scene, late);
+        report(o.scene, late);
+    }
     const auto writing = std::chrono::steady_clock::now();
     ExrOptions exr;
     exr.all_float = o.pixel_type == "float";
@@ -118,7 +123,7 @@ int run(const Options& o) {
 Run add_render(CLI::App& app) {
     auto o = std::make_shared<Options>();
     CLI::App* c = app.add_subcommand("render", "a scene to an image with all its layers");
-    c->add_option("SCENE", o->scene, "a scene document (.json, .alder), .glb, .gltf or .ass")->required();
+    c->add_option("SCENE", o->scene, "a scene document (.json, .alder), .glb, .gltf, .ass or .xml (Cycles)")->required();
     c->add_option("-o,--output", o->output, "OUT.exr, .png or .jpg; default: the scene's name with .exr");
     c->add_option("--samples", o->samples, "samples a pixel; default: the scene's")->check(CLI::Range(1, 1 << 20));
     c->add_option("--seconds", o->seconds, "stop with the best image after so long")->check(CLI::Range(0.001, 1e7));

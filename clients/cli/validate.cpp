@@ -20,7 +20,7 @@ struct Options {
 bool is_scene(const std::string& file, const std::optional<nlohmann::json>& document) {
     const size_t dot = file.rfind('.');
     const std::string extension = dot == std::string::npos ? "" : file.substr(dot);
-    return extension == ".alder" || extension == ".glb" || extension == ".gltf" || extension == ".ass" || (document && document->is_object() && document->contains("alder_scene"));
+    return extension == ".alder" || extension == ".glb" || extension == ".gltf" || extension == ".ass" || extension == ".xml" || (document && document->is_object() && document->contains("alder_scene"));
 }
 
 /// A scene is loaded with all its graphs and arrays; nothing is built or rendered.
@@ -89,7 +89,7 @@ int run(const Options& o) {
 Run add_validate(CLI::App& app) {
     auto o = std::make_shared<Options>();
     CLI::App* c = app.add_subcommand("validate", "what is wrong with graphs and scenes, without rendering");
-    c->add_option("FILE", o->files, "graph documents and scenes (.json, .alder, .glb, .gltf, .ass); - is standard input")->required();
+    c->add_option("FILE", o->files, "graph documents and scenes (.json, .alder, .glb, .gltf, .ass, .xml); - is standard input")->required();
     c->add_flag("--lenient", o->lenient, "unknown parameters are warnings");
     c->add_flag("--json", o->json, "reports by file; of graphs as POST /v1/graphs/validate answers");
     return [o] { return run(*o); };

@@ -5,8 +5,7 @@
 #define HWY_TARGET_INCLUDE "nodes/color/spectrum.cpp"
 #include "hwy/foreach_target.h"
 
-#include "nodes/color/spectrum_tables.h"
-#include "nodes/kernel-inl.h"
+#include "nodes/color/blackbody-inl.h"
 #include "nodes/math/cycles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,25 +14,8 @@ namespace alder::HWY_NAMESPACE {
 struct Blackbody {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
-        using I = Int<F>;
-        const F t = k.f(0);
-        I band = I(0);
-        for (int i = 1; i < kBlackbodyBands; ++i) band = select(t >= F(kBlackbodyBandStart[i]), I(i), band);
-        const F inverse = F(1) / t;
-        Vec3<F> c;
-        for (int i = 0; i < 2; ++i) {
-            const float* const fit = i == 0 ? kBlackbodyRed : kBlackbodyGreen;
-            const I at = band + band + band;
-            c[i] = fused(gather<F>(fit, at), inverse, gather<F>(fit, at + I(1)) * t) + gather<F>(fit, at + I(2));
-        }
-        const I at = shl<2>(band);
-        c.z = gather<F>(kBlackbodyBlue, at);
-        for (int i = 1; i < 4; ++i) c.z = fused(c.z, t, gather<F>(kBlackbodyBlue, at + I(i)));
-        const Mask<F> hot = t >= F(12000), cold = t < F(800);
-        for (int i = 0; i < 3; ++i) {
-            const F limited = select(hot, F(kBlackbodyHot[i]), select(cold, F(kBlackbodyCold[i]), c[i]));
-            k.set(i, second_max(limited, F(0)));
-        }
+        const Vec3<F> c = blackbody_rec709(k.f(0));
+        for (int i = 0; i < 3; ++i) k.set(i, second_max(c[i], F(0)));
     }
 };
 struct Wavelength {

@@ -7,6 +7,7 @@
 
 #include "nodes/kernel-inl.h"
 #include "nodes/math/cycles-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -22,11 +23,13 @@ struct Bump {
         // Surface gradient: the two differences along directions within the surface that are dual to the steps.
         const Vec3<F> rx = cross(dpdy, n), ry = cross(n, dpdx);
         const F det = dot(dpdx, rx);
-        const Vec3<F> gradient = (k.f(4) - height) * rx + (k.f(5) - height) * ry;
+        const Vec3<F> gradient = finite_or_limit((k.f(4) - height) * rx + (k.f(5) - height) * ry);
         const F side = select(det < F(0), F(-1), F(1));
-        const Vec3<F> bumped = safe_normalize(width * abs(det) * n - distance * side * gradient);
-        const Vec3<F> blended = normalize(strength * bumped + (F(1) - strength) * n);
-        k.set(0, select<F>(is_zero(bumped), n, blended));
+        // Halved before the difference, so that two limits do not overflow.
+        const Vec3<F> upright = F(0.5) * finite_or_limit(width * abs(det) * n), tilt = F(0.5) * finite_or_limit(distance * side * gradient);
+        const Vec3<F> bumped = safe_normalize_any(upright - tilt);
+        const Vec3<F> blended = safe_normalize_any(strength * bumped + (F(1) - strength) * n);
+        k.set(0, select<F>(is_zero(bumped) | is_zero(blended), n, blended));   // opposed normals cancel at strength 0.5
     }
 };
 template <class F>

@@ -4,6 +4,7 @@
 #include "hwy/foreach_target.h"
 
 #include "nodes/input/space-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -13,10 +14,9 @@ struct CameraData {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
         const Vec3<F> v = matrix3(k, 3).apply(k.v(0)) + k.v(12);
-        const F distance = length(v);
-        k.set(0, v / distance);
+        k.set(0, normalize_any(v));
         k.set(3, v.z);
-        k.set(4, distance);
+        k.set(4, length_of_any(v));
     }
 };
 template <class F>

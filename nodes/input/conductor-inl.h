@@ -6,7 +6,7 @@
 #define ALDER_NODES_INPUT_CONDUCTOR_INL_H_
 #endif
 
-#include "nodes/num/vec-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -21,7 +21,8 @@ HWY_INLINE F conductor_reflectance(F reflectivity, F edge_tint, F c) {
     const F n2k2 = n * n + k2, two_nc = F(2) * n * c, c2 = c * c;
     const F perpendicular = (n2k2 - two_nc + c2) / (n2k2 + two_nc + c2);
     const F parallel = (n2k2 * c2 - two_nc + F(1)) / (n2k2 * c2 + two_nc + F(1));
-    return F(0.5) * (perpendicular + parallel);
+    const F reflectance = F(0.5) * (perpendicular + parallel);
+    return select(isfinite(reflectance), reflectance, F(1));   // an index beyond floats: a mirror
 }
 template <class F>
 HWY_INLINE Vec3<F> conductor_reflectance(Vec3<F> reflectivity, Vec3<F> edge_tint, F c) {

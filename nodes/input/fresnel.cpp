@@ -6,18 +6,20 @@
 
 #include "nodes/kernel-inl.h"
 #include "nodes/math/cycles-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 
-/// 1 beyond the critical angle.
+/// 1 beyond the critical angle, and where a normal of absurd length leaves no number.
 template <class F>
 HWY_INLINE F dielectric_reflectance(F cosine, F eta) {
     const F c = abs(cosine);
     const F g2 = eta * eta - F(1) + c * c;
     const F g = safe_sqrt(g2);
     const F a = (g - c) / (g + c), b = (c * (g + c) - F(1)) / (c * (g - c) + F(1));
-    return select(g2 > F(0), F(0.5) * a * a * (F(1) + b * b), F(1));
+    const F r = F(0.5) * a * a * (F(1) + b * b);
+    return select((g2 > F(0)) & isfinite(r), r, F(1));
 }
 
 /// Channels: IOR 0, Normal 1, then I 4, Backfacing 7. On back faces the ratio of indices is the other way round.
@@ -41,7 +43,7 @@ struct LayerWeight {
             const F limited = cycles_clamp(blend, F(0), F(1.0 - 1e-5));
             const F exponent = select(limited < F(0.5), F(2) * limited, F(0.5) / (F(1) - limited));
             const F facing = abs(cosine);
-            k.set(1, F(1) - select(blend != F(0.5), pow(facing, exponent), facing));
+            k.set(1, F(1) - select(blend != F(0.5), finite_or_limit(pow(facing, exponent)), facing));
         }
     }
 };

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "nodes/input/space-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -16,8 +17,8 @@ struct RadialTangent {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
         const Vec3<F> g = k.v(0), n = k.v(3);
-        const Vec3<F> around = normalize(matrix3(k, 6).transposed(Vec3<F>(-(g.y - F(0.5)), g.x - F(0.5), F(0))));
-        const Vec3<F> tangent = cross(n, normalize(cross(around, n)));
+        const Vec3<F> around = normalize_any(matrix3(k, 6).transposed(Vec3<F>(-(g.y - F(0.5)), g.x - F(0.5), F(0))));
+        const Vec3<F> tangent = cross(n, normalize_any(cross(around, n)));
         k.set(0, select<F>(k.f(15) < F(1e38), tangent, Vec3<F>(F(std::numeric_limits<float>::quiet_NaN()))));
     }
 };

@@ -5,6 +5,7 @@
 
 #include "nodes/input/output_value.h"
 #include "nodes/kernel-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -13,9 +14,9 @@ namespace alder::HWY_NAMESPACE {
 struct NormalDirection {
     template <class F>
     static HWY_INLINE void run(Lanes<F> k) {
-        const Vec3<F> direction = normalize(k.v(3));
+        const Vec3<F> direction = normalize_any(k.v(3));
         k.set(0, direction);
-        k.set(3, dot(direction, normalize(k.v(0))));
+        k.set(3, dot(direction, normalize_any(k.v(0))));
     }
 };
 template <class F>

@@ -5,6 +5,7 @@
 
 #include "nodes/input/space-inl.h"
 #include "nodes/math/cycles-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -26,12 +27,12 @@ struct TangentNormal {
         c = {c.x * strength, c.y * strength, F(1) + cycles_saturate(strength) * (c.z - F(1))};
 
         const Vec3<F> stored = k.v(26);
-        const Vec3<F> derived = safe_normalize(matrix3(k, 17).transposed(select<F>(back, -shading, shading)));
+        const Vec3<F> derived = safe_normalize_any(matrix3(k, 17).transposed(select<F>(back, -shading, shading)));
         const Vec3<F> normal = select<F>(is_zero(stored), derived, stored);
 
         const Vec3<F> bitangent = k.f(32) * cross(normal, tangent);
-        const Vec3<F> local = safe_normalize(c.x * tangent + c.y * bitangent + c.z * normal);
-        const Vec3<F> n = normalize(matrix3(k, 8).transposed(local));
+        const Vec3<F> local = safe_normalize_any(c.x * tangent + c.y * bitangent + c.z * normal);
+        const Vec3<F> n = normalize_any(matrix3(k, 8).transposed(local));
         const Vec3<F> turned = select<F>(back, -n, n);
         // No tangent: the map has no effect.
         k.set(0, select<F>(is_zero(tangent) | is_zero(turned), shading, turned));
@@ -46,10 +47,10 @@ struct SpaceNormal {
         const Vec3<F> shading = k.v(4);
         Vec3<F> n = unpack_normal(k.v(1));
         if constexpr (blender_axes) n = {n.x, -n.y, -n.z};
-        if constexpr (object_space) n = normalize(matrix3(k, 8).transposed(n));
-        else n = safe_normalize(n);
+        if constexpr (object_space) n = normalize_any(matrix3(k, 8).transposed(n));
+        else n = safe_normalize_any(n);
         n = select<F>(k.f(7) != F(0), -n, n);
-        const Vec3<F> blended = safe_normalize(shading + (n - shading) * second_max(strength, F(0)));
+        const Vec3<F> blended = safe_normalize_any(shading + (n - shading) * second_max(strength, F(0)));
         n = select<F>(strength != F(1), blended, n);
         k.set(0, select<F>(is_zero(n), shading, n));
     }

@@ -19,7 +19,7 @@ struct Matrix3 {
     HWY_INLINE Vec3<F> transposed(Vec3<F> v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
     HWY_INLINE Matrix3 inverse() const {
         const Vec3<F> a = cross(y, z), b = cross(z, x), c = cross(x, y);  // rows of the inverse, times the determinant
-        const F scale = F(1) / dot(x, a);
+        const F determinant = dot(x, a), scale = F(1) / select(determinant != F(0), determinant, F(1));   // what has no inverse: finite
         return {Vec3<F>(a.x, b.x, c.x) * scale, Vec3<F>(a.y, b.y, c.y) * scale, Vec3<F>(a.z, b.z, c.z) * scale};
     }
 };

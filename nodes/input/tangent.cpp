@@ -5,6 +5,7 @@
 
 #include "nodes/input/space-inl.h"
 #include "nodes/math/cycles-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -12,8 +13,8 @@ namespace alder::HWY_NAMESPACE {
 /// Object-space direction (taken as a normal, as Cycles does) to the plane perpendicular to N. Columns of world to object from 6.
 template <class F>
 HWY_INLINE Vec3<F> surface_tangent(Lanes<F> k, Vec3<F> direction) {
-    const Vec3<F> n = k.v(3), world = normalize(matrix3(k, 6).transposed(direction));
-    return cross(n, normalize(cross(world, n)));
+    const Vec3<F> n = k.v(3), world = normalize_any(matrix3(k, 6).transposed(direction));
+    return cross(n, normalize_any(cross(world, n)));
 }
 /// Generated coordinates 0, N 3: around the axis through the middle of the texture space.
 template <int axis>

@@ -5,6 +5,7 @@
 #include "hwy/foreach_target.h"
 
 #include "nodes/kernel-inl.h"
+#include "nodes/math/finite-inl.h"
 
 #ifndef ALDER_NODES_MATH_AL_BLACKBODY_
 #define ALDER_NODES_MATH_AL_BLACKBODY_
@@ -27,8 +28,8 @@ struct AlBlackbody {
         const F temperature = max(F(0), k.f(0)), strength = k.f(1), physical = k.f(2), exposure = k.f(3);   // NaN is 0 too
         const Int<F> kelvin = to_int(min(temperature, F(kMaxKelvin)));
         // Stefan and Boltzmann: T^4·5.67e-8·2^exposure. The exposure goes under the fourth power, so that nothing overflows early.
-        const F power = sqr(sqr(temperature * exp2(F(0.25) * exposure))) * F(5.67e-8);
-        const F scale = select(physical > F(0), lerp(F(1), power, physical), F(1)) * strength;
+        const F power = finite_or_limit(sqr(sqr(temperature * exp2(F(0.25) * exposure))) * F(5.67e-8));
+        const F scale = finite_or_limit(select(physical > F(0), lerp(F(1), power, physical), F(1)) * strength);
         for (int i = 0; i < 3; ++i) k.set(i, gather<F>(table.rgb[i].data(), kelvin) * scale);
     }
 };

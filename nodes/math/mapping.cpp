@@ -5,6 +5,7 @@
 
 #include "nodes/kernel-inl.h"
 #include "nodes/math/cycles-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -16,7 +17,7 @@ struct MapPoint {
 /// The inverse of Point; a zero scale gives 0.
 struct MapTexture {
     template <class F>
-    static HWY_INLINE Vec3<F> eval(Vec3<F> v, Vec3<F> location, const Rotation<F>& r, Vec3<F> scale) { return safe_divide(r.apply_inverse(v - location), scale); }
+    static HWY_INLINE Vec3<F> eval(Vec3<F> v, Vec3<F> location, const Rotation<F>& r, Vec3<F> scale) { return finite_or_limit(safe_divide(r.apply_inverse(v - location), scale)); }
 };
 struct MapVector {
     template <class F>
@@ -24,7 +25,7 @@ struct MapVector {
 };
 struct MapNormal {
     template <class F>
-    static HWY_INLINE Vec3<F> eval(Vec3<F> v, Vec3<F>, const Rotation<F>& r, Vec3<F> scale) { return safe_normalize(r.apply(safe_divide(v, scale))); }
+    static HWY_INLINE Vec3<F> eval(Vec3<F> v, Vec3<F>, const Rotation<F>& r, Vec3<F> scale) { return safe_normalize_any(r.apply(F(0.25) * finite_or_limit(safe_divide(v, scale)))); }
 };
 template <class Op>
 struct MappingBody {

@@ -4,6 +4,7 @@
 #include "hwy/foreach_target.h"
 
 #include "nodes/input/space-inl.h"
+#include "nodes/math/finite-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
@@ -19,24 +20,24 @@ struct StepDirection {
 };
 struct StepNormal {
     template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, normalize(matrix3(k, 3).transposed(k.v(0)))); }
+    static HWY_INLINE void run(Lanes<F> k) { k.set(0, normalize_any(matrix3(k, 3).transposed(k.v(0)))); }
 };
 struct StepNormalSafe {
     template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, safe_normalize(matrix3(k, 3).transposed(k.v(0)))); }
+    static HWY_INLINE void run(Lanes<F> k) { k.set(0, safe_normalize_any(matrix3(k, 3).transposed(k.v(0)))); }
 };
 // The same through the inverse of the matrix.
 struct BackPoint {
     template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, matrix3(k, 3).inverse().apply(k.v(0) - k.v(12))); }
+    static HWY_INLINE void run(Lanes<F> k) { k.set(0, finite_or_limit(matrix3(k, 3).inverse().apply(k.v(0) - k.v(12)))); }
 };
 struct BackDirection {
     template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, matrix3(k, 3).inverse().apply(k.v(0))); }
+    static HWY_INLINE void run(Lanes<F> k) { k.set(0, finite_or_limit(matrix3(k, 3).inverse().apply(k.v(0)))); }
 };
 struct BackNormal {
     template <class F>
-    static HWY_INLINE void run(Lanes<F> k) { k.set(0, normalize(matrix3(k, 3).inverse().transposed(k.v(0)))); }
+    static HWY_INLINE void run(Lanes<F> k) { k.set(0, normalize_any(finite_or_limit(matrix3(k, 3).inverse().transposed(k.v(0))))); }
 };
 #define ALDER_STEP(name, Body)                                \
     template <class F>                                        \

@@ -32,8 +32,8 @@ HWY_INLINE F perlin_at_whole_w(const LatticeAxis<F> (&a)[4]) {
     for (int j = 0; j < 4; ++j) {
         const Int<F> cy = j & 1 ? y.cell1() : y.cell, cz = j & 2 ? z.cell1() : z.cell;
         const F fy = j & 1 ? y.f1() : y.f, fz = j & 2 ? z.f1() : z.f;
-        row[j] = perlin_lerp(gradient4(hash_low24(x.cell, cy, cz, w.cell), x.f, fy, fz, w.f),
-                             gradient4(hash_low24(x.cell1(), cy, cz, w.cell), x.f1(), fy, fz, w.f), x.fade);
+        row[j] = perlin_lerp(gradient4(hash_low6(x.cell, cy, cz, w.cell), x.f, fy, fz, w.f),
+                             gradient4(hash_low6(x.cell1(), cy, cz, w.cell), x.f1(), fy, fz, w.f), x.fade);
     }
     return F(0.5f * 0.8344f) * perlin_lerp(perlin_lerp(row[0], row[1], y.fade), perlin_lerp(row[2], row[3], y.fade), z.fade);
 }

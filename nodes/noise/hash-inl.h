@@ -13,27 +13,28 @@
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 
-/// lookup3's final() without its last rotation: c before `c -= rot(b, 24)`, and b.
+/// lookup3's final() up to its last two rotations.
 template <class I>
-HWY_INLINE constexpr void jenkins_final_but_one(I& a, I& b, I& c) {
+HWY_INLINE constexpr void jenkins_final_but_two(I& a, I& b, I& c) {
     c = (c ^ b) - rotl<14>(b);
     a = (a ^ c) - rotl<11>(c);
     b = (b ^ a) - rotl<25>(a);
     c = (c ^ b) - rotl<16>(b);
     a = (a ^ c) - rotl<4>(c);
-    b = (b ^ a) - rotl<14>(a);
-    c = c ^ b;
 }
 template <class I>
 HWY_INLINE constexpr I jenkins_final(I a, I b, I c) {
-    jenkins_final_but_one(a, b, c);
-    return c - rotl<24>(b);
+    jenkins_final_but_two(a, b, c);
+    b = (b ^ a) - rotl<14>(a);
+    return (c ^ b) - rotl<24>(b);
 }
-/// The low 24 bits of jenkins_final are right, the others are not: a shift is cheaper than a rotation.
+/// The low 6 bits of jenkins_final are right, the others are not. These come from the low 14 bits of b, which are right without what
+/// the rotations bring into the upper ones: a shift is cheaper than a rotation.
 template <class I>
-HWY_INLINE constexpr I jenkins_final_low24(I a, I b, I c) {
-    jenkins_final_but_one(a, b, c);
-    return c - shr<8>(b);
+HWY_INLINE constexpr I jenkins_final_low6(I a, I b, I c) {
+    jenkins_final_but_two(a, b, c);
+    b = (b ^ a) - shr<18>(a);
+    return (c ^ b) - shr<8>(b);
 }
 template <class I>
 HWY_INLINE constexpr void jenkins_mix(I& a, I& b, I& c) {
@@ -74,26 +75,26 @@ HWY_INLINE constexpr I hash_uint4(I x, I y, I z, I w) {
 }
 // For gradients, which need a few low bits.
 template <class I>
-HWY_INLINE constexpr I hash_low24(I x) {
+HWY_INLINE constexpr I hash_low6(I x) {
     const I s = jenkins_start<I>(1);
-    return jenkins_final_low24(s + x, s, s);
+    return jenkins_final_low6(s + x, s, s);
 }
 template <class I>
-HWY_INLINE constexpr I hash_low24(I x, I y) {
+HWY_INLINE constexpr I hash_low6(I x, I y) {
     const I s = jenkins_start<I>(2);
-    return jenkins_final_low24(s + x, s + y, s);
+    return jenkins_final_low6(s + x, s + y, s);
 }
 template <class I>
-HWY_INLINE constexpr I hash_low24(I x, I y, I z) {
+HWY_INLINE constexpr I hash_low6(I x, I y, I z) {
     const I s = jenkins_start<I>(3);
-    return jenkins_final_low24(s + x, s + y, s + z);
+    return jenkins_final_low6(s + x, s + y, s + z);
 }
 template <class I>
-HWY_INLINE constexpr I hash_low24(I x, I y, I z, I w) {
+HWY_INLINE constexpr I hash_low6(I x, I y, I z, I w) {
     const I s = jenkins_start<I>(4);
     I a = s + x, b = s + y, c = s + z;
     jenkins_mix(a, b, c);
-    return jenkins_final_low24(a + w, b, c);
+    return jenkins_final_low6(a + w, b, c);
 }
 
 /// [0, 2^32) to [0, 1]: Cycles divides by (float)0xffffffff, which is 2^32.

@@ -94,7 +94,7 @@ HWY_INLINE F gradient4(Int<F> h, F x, F y, F z, F w) {
 template <class F>
 HWY_INLINE F perlin(const LatticeAxis<F> (&a)[1]) {
     const LatticeAxis<F>& x = a[0];
-    return F(0.25) * perlin_lerp(gradient1(hash_low24(x.cell), x.f), gradient1(hash_low24(x.cell1()), x.f1()), x.fade);
+    return F(0.25) * perlin_lerp(gradient1(hash_low6(x.cell), x.f), gradient1(hash_low6(x.cell1()), x.f1()), x.fade);
 }
 template <class F>
 HWY_INLINE F perlin(const LatticeAxis<F> (&a)[2]) {
@@ -104,7 +104,7 @@ HWY_INLINE F perlin(const LatticeAxis<F> (&a)[2]) {
     for (int j = 0; j < 2; ++j) {
         const Int<F> cy = j ? y.cell1() : y.cell;
         const F fy = j ? y.f1() : y.f;
-        row[j] = perlin_lerp(gradient2(hash_low24(x.cell, cy), x.f, fy), gradient2(hash_low24(x.cell1(), cy), x.f1(), fy), x.fade);
+        row[j] = perlin_lerp(gradient2(hash_low6(x.cell, cy), x.f, fy), gradient2(hash_low6(x.cell1(), cy), x.f1(), fy), x.fade);
     }
     return F(0.6616) * perlin_lerp(row[0], row[1], y.fade);
 }
@@ -116,8 +116,8 @@ HWY_INLINE F perlin(const LatticeAxis<F> (&a)[3]) {
     for (int j = 0; j < 4; ++j) {
         const Int<F> cy = j & 1 ? y.cell1() : y.cell, cz = j & 2 ? z.cell1() : z.cell;
         const F fy = j & 1 ? y.f1() : y.f, fz = j & 2 ? z.f1() : z.f;
-        row[j] = perlin_lerp(gradient3(hash_low24(x.cell, cy, cz), x.f, fy, fz),
-                             gradient3(hash_low24(x.cell1(), cy, cz), x.f1(), fy, fz), x.fade);
+        row[j] = perlin_lerp(gradient3(hash_low6(x.cell, cy, cz), x.f, fy, fz),
+                             gradient3(hash_low6(x.cell1(), cy, cz), x.f1(), fy, fz), x.fade);
     }
     // 0.982 / 2, as gradient3 doubles.
     return F(0.5f * 0.982f) * perlin_lerp(perlin_lerp(row[0], row[1], y.fade), perlin_lerp(row[2], row[3], y.fade), z.fade);
@@ -130,10 +130,10 @@ HWY_INLINE F perlin(const LatticeAxis<F> (&a)[4]) {
     for (int j = 0; j < 4; ++j) {
         const Int<F> cy = j & 1 ? y.cell1() : y.cell, cz = j & 2 ? z.cell1() : z.cell;
         const F fy = j & 1 ? y.f1() : y.f, fz = j & 2 ? z.f1() : z.f;
-        const F v0 = perlin_lerp(gradient4(hash_low24(x.cell, cy, cz, w.cell), x.f, fy, fz, w.f),
-                                 gradient4(hash_low24(x.cell, cy, cz, w.cell1()), x.f, fy, fz, w.f1()), w.fade);
-        const F v1 = perlin_lerp(gradient4(hash_low24(x.cell1(), cy, cz, w.cell), x.f1(), fy, fz, w.f),
-                                 gradient4(hash_low24(x.cell1(), cy, cz, w.cell1()), x.f1(), fy, fz, w.f1()), w.fade);
+        const F v0 = perlin_lerp(gradient4(hash_low6(x.cell, cy, cz, w.cell), x.f, fy, fz, w.f),
+                                 gradient4(hash_low6(x.cell, cy, cz, w.cell1()), x.f, fy, fz, w.f1()), w.fade);
+        const F v1 = perlin_lerp(gradient4(hash_low6(x.cell1(), cy, cz, w.cell), x.f1(), fy, fz, w.f),
+                                 gradient4(hash_low6(x.cell1(), cy, cz, w.cell1()), x.f1(), fy, fz, w.f1()), w.fade);
         row[j] = perlin_lerp(v0, v1, x.fade);
     }
     return F(0.5f * 0.8344f) * perlin_lerp(perlin_lerp(row[0], row[1], y.fade), perlin_lerp(row[2], row[3], y.fade), z.fade);
@@ -184,18 +184,18 @@ struct CornerGradients {
         ALDER_UNROLL
         for (int i = 0; i < D; ++i) c[i] = first_lane(a[i].cell) + load_ints<F>(kBit[i]);
         if constexpr (D == 2) {
-            const Int<F> h = hash_low24(c[0], c[1]);
+            const Int<F> h = hash_low6(c[0], c[1]);
             const F one = bits_to_float<F>(shl<31>(h) | Int<F>(0x3f800000)), two = bits_to_float<F>((shl<30>(h) & Int<F>(INT32_MIN)) | Int<F>(0x40000000));
             const Mask<F> first = (h & Int<F>(4)) == Int<F>(0);
             store_floats(select(first, one, two), component[0]);
             store_floats(select(first, two, one), component[1]);
         } else if constexpr (D == 3) {
-            const Int<F> h = hash_low24(c[0], c[1], c[2]);
+            const Int<F> h = hash_low6(c[0], c[1], c[2]);
             store_floats(lookup<F>(kGradient3X, h), component[0]);
             store_floats(lookup<F>(kGradient3Y, h), component[1]);
             store_floats(lookup<F>(kGradient3Z, h), component[2]);
         } else {
-            const Int<F> h = hash_low24(c[0], c[1], c[2], c[3]);
+            const Int<F> h = hash_low6(c[0], c[1], c[2], c[3]);
             store_floats(lookup<F>(kGradient4X, h), component[0]);
             store_floats(lookup<F>(kGradient4Y, h), component[1]);
             store_floats(lookup<F>(kGradient4Z, h), component[2]);

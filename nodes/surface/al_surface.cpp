@@ -60,7 +60,7 @@ struct AlSurfacePlan {
         for (int lobe = 0; lobe < als::kLobeCount; ++lobe) {
             const bool listed = lobe < static_cast<int>(s.lobes.size());
             out[lobe] = listed && call.out[s.lobe_offset[lobe]] ? s.lobe_offset[lobe] : -1;
-            layers = layers || (out[lobe] >= 0 && lobe != als::kShadow && lobe != als::kTransparent);
+            layers = layers || (out[lobe] >= 0 && lobe != als::kShadow && lobe != als::kInside && lobe != als::kTransparent);
         }
         using als::index;
         set_specular(specular[0], s, als::kSpecular1, index("specular1Strength"), index("specular1Color"),
@@ -217,6 +217,29 @@ HWY_INLINE void al_transmission(const Lanes<F>& k, const AlSurfacePlan& plan, co
     k.set(out + 6 + plan.transmission_layout.eta, select(point.inside, F(1) / ior, ior));
 }
 
+/// Coefficients of what lies behind the transmission (6.9).
+template <class F>
+HWY_INLINE void al_inside(const Lanes<F>& k, int out) {
+    using als::channel;
+    const F density = max(k.f(channel("ssDensityScale")), F(0)), strength = max(k.f(channel("ssInScatteringStrength")), F(0));
+    const Mask<F> given = k.f(channel("ssSpecifyCoefficients")) != F(0);
+    Vec3<F> color = k.v(channel("ssAttenuationColor"));
+    const Mask<F> colored = min(color.x, min(color.y, color.z)) < F(1);
+    F extinction[3], scattering[3];
+    for (int c = 0; c < 3; ++c) {
+        const F kept = select(colored, min(max(color[c], F(0)), F(0.999)), F(1));
+        const F least = select(strength > F(0), F(0.01), F(0));
+        const F s = select(given, max(k.f(channel("ssScattering") + c), F(0)) * density, kept * strength * density);
+        const F a = select(given, max(k.f(channel("ssAbsorption") + c), F(0)) * density, max((F(1) - kept) * density, least));
+        scattering[c] = s;
+        extinction[c] = s + a;
+    }
+    k.set(out, Vec3<F>(extinction[0], extinction[1], extinction[2]));
+    k.set(out + 3, Vec3<F>(F(0)));
+    k.set(out + 6, Vec3<F>(scattering[0], scattering[1], scattering[2]));
+    k.set(out + 9, k.f(channel("ssDirection")));
+}
+
 /// The three profiles (6.10).
 template <class F>
 HWY_INLINE void al_subsurface(const Lanes<F>& k, const AlSurfacePlan& plan, const AlPoint<F>& point, Vec3<F> weight, F weights) {
@@ -279,6 +302,7 @@ HWY_INLINE void al_surface_point(const Lanes<F>& k, const AlSurfacePlan& plan) {
         k.set(out[als::kTransmission], w.transmission);
         al_transmission(k, plan, point, out[als::kTransmission]);
     }
+    if (out[als::kInside] >= 0) al_inside(k, out[als::kInside]);
     const Vec3<F> none(F(0));
     for (const int lobe : {als::kEmission, als::kShadow, als::kTransparent}) {
         if (out[lobe] < 0) continue;
@@ -326,9 +350,9 @@ ALDER_NODE {
     n.summary = "layered surface shader";
     n.help = "Two speculars over diffuse, backlight and transmission, emission below the speculars. Roughness is squared. Diffuse, "
              "backlight and transmission share one budget: where they add up to more than 1 they are scaled down together. Each "
-             "specular passes down what its directional albedo leaves. Attenuation inside transmissive bodies, dipoles for subsurface "
-             "scattering and separate controls of indirect light are refused where they would change the picture. Opacity multiplies "
-             "every lobe, as Arnold's renderer composites the original's colour by it.";
+             "specular passes down what its directional albedo leaves. Bodies behind the transmission absorb, and scatter light once, by "
+             "the ss parameters. Dipoles for subsurface scattering and separate controls of indirect light are refused where they would "
+             "change the picture. Opacity multiplies every lobe, as Arnold's renderer composites the original's colour by it.";
     for (const AlParam& row : al_surface::kRows) n.params.push_back(al::make_param(row));
     al_surface::set_only_lobes(n);
     n.outputs = {{"out", Type::Closure}};

@@ -47,18 +47,18 @@ inline constexpr std::array kBeforeAovs{
     i("sssExtraSamples", 0, "Diffuse/Advanced", "SSS extra samples",
         "no effect: samples go where they are needed").fixed(),
     f("ssInScatteringStrength", 0, "Transmission/Attenuation", "Scattering",
-        "scattering inside a transmissive body: only 0 is available while transmission is on"),
+        "scattering inside a transmissive body, times ssAttenuationColor and ssDensityScale; light scatters there once"),
     color("ssAttenuationColor", 1, 1, 1, "Transmission/Attenuation", "Color",
-        "absorption inside a transmissive body: only white is available while transmission is on"),
+        "what a transmissive body does not absorb: white is clear; absorption is 1 minus this, times ssDensityScale, per unit length"),
     b("ssSpecifyCoefficients", false, "Transmission/Advanced", "Specify attenuation coeffs.",
-        "scattering and absorption given directly: only off, or both black, while transmission is on"),
+        "scattering and absorption of a transmissive body given directly"),
     color("ssScattering", 1, 1, 1, "Transmission/Advanced", "Scattering",
         "scattering coefficient; no effect unless ssSpecifyCoefficients is on"),
     color("ssAbsorption", 1, 1, 1, "Transmission/Advanced", "Absorption",
         "absorption coefficient; no effect unless ssSpecifyCoefficients is on"),
     f("ssDensityScale", 1, "Transmission/Attenuation", "Density scale", "multiplies the coefficients of the inside"),
     f("ssDirection", 0, "Transmission/Attenuation", "Direction",
-        "forward (positive) or backward scattering inside; no effect while nothing scatters there").range(-0.99, 0.99),
+        "mean cosine of scattering inside: forward (positive) or backward; no effect while nothing scatters there").range(-0.99, 0.99),
     i("diffuseExtraSamples", 0, "Diffuse/Advanced", "Diffuse extra samples",
         "no effect: samples go where they are needed").fixed(),
     f("diffuseIndirectStrength", 1, "Diffuse/Advanced", "Indirect strength",
@@ -231,6 +231,7 @@ enum LobeIndex : int {
     kSss2,
     kSss3,
     kShadow,       ///< what a shadow ray sees through the transmission
+    kInside,       ///< the medium behind the transmission
     kTransparent,  ///< last: left out where opacity is at its default
     kLobeCount
 };

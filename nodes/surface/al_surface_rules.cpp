@@ -79,6 +79,10 @@ std::vector<LobeSpec> lobes(const Statics& s) {
     }
     l[kShadow].shadow_only = true;
     l[kShadow].gates = l[kTransmission].gates;
+    // A body is clear where its colour is white, nothing scatters and no coefficients are given: then no lobe says so.
+    const bool clear = s.is_zero(index("ssSpecifyCoefficients")) && s.is_one(index("ssAttenuationColor"));
+    l[kInside] = {LobeKind::Interior, LobeLabel::SingleScatter};
+    l[kInside].gates = {index("transmissionStrength"), index("transmissionColor"), opacity, clear ? index("ssInScatteringStrength") : index("ssDensityScale")};
     // A metallic specular 1 casts a full shadow (6.8), so the lobe is left to the kernel, which gives it no weight.
     if (s.is_default(opacity)) l.pop_back();
     return l;
@@ -118,6 +122,8 @@ bool uses(const Statics& s, int param) {
     if (name == "emissionColor") return !s.is_zero(index("emissionStrength"));
     if (name == "transmissionEnableCaustics") return !dark1 || !dark2;
     if (starts(name, "transmission") && name != "transmissionStrength") return !dark_transmission;
+    if (name == "ssScattering" || name == "ssAbsorption") return !dark_transmission && !s.is_zero(index("ssSpecifyCoefficients"));
+    if (starts(name, "ss") && !starts(name, "sss")) return !dark_transmission;
     if (starts(name, "sssWeight") || name == "sssDensityScale") return !s.is_zero(index("sssMix"));
     for (const auto& [radius, color, weight] : {std::array{index("sssRadius"), index("sssRadiusColor"), index("sssWeight1")},
                                                 std::array{index("sssRadius2"), index("sssRadiusColor2"), index("sssWeight2")},
@@ -143,6 +149,7 @@ void set_only_lobes(NodeType& n) {
         if (name == "sssMix" || starts(name, "sssWeight")) lobes = bit(kDiffuse) | bit(kBacklight) | kSubsurface;
         if (starts(name, "sssRadius") || name == "sssDensityScale") lobes = kSubsurface;
         if (starts(name, "emission")) lobes = bit(kEmission);
+        if (starts(name, "ss") && !starts(name, "sss")) lobes = bit(kInside);
         if (name == "opacity") lobes = ~uint64_t{0};
         if (std::find(std::begin(kDebug), std::end(kDebug), static_cast<int>(p)) != std::end(kDebug)) lobes |= bit(0);
         n.params[p].lobes(lobes);
@@ -188,19 +195,6 @@ void check_specular(const Constants& c, int strength, int clamp, int internal) {
     if (c.linked(internal) || c.is(internal, 0)) c.refuse(internal, "true: direct light inside cannot be switched off on its own");
 }
 
-void check_attenuation(const Constants& c) {
-    const int specify = index("ssSpecifyCoefficients"), density = index("ssDensityScale");
-    if (c.is(density, 0) && c.is(index("ssInScatteringStrength"), 0)) return;
-    const bool specified = !c.is(specify, 0), computed = !c.is(specify, 1);
-    if (specified && !(c.is(index("ssScattering"), 0) && c.is(index("ssAbsorption"), 0)))
-        c.refuse(specify, "false, or black coefficients: scattering and absorption inside are not available");
-    if (!computed) return;
-    c.only(index("ssInScatteringStrength"), 0, "0: scattering inside is not available");
-    const int color = index("ssAttenuationColor");
-    const double* v = c.values[color];
-    if (!v || std::min({v[0], v[1], v[2]}) < 1) c.refuse(color, "white: attenuation inside is not available");
-}
-
 }  // namespace
 
 void check(const Statics& s, const std::vector<const double*>& constant, std::vector<std::string>& errors) {
@@ -218,7 +212,6 @@ void check(const Statics& s, const std::vector<const double*>& constant, std::ve
         check_specular(c, index("specular2IndirectStrength"), index("specular2IndirectClamp"), index("specular2InternalDirect"));
     if (!c.dark(index("transmissionStrength"), index("transmissionColor"))) {
         c.only(index("transmissionClamp"), 0, kNoClamp);
-        check_attenuation(c);
     }
     for (size_t p = 0; p < kRows.size(); ++p) {
         const std::string_view name = kRows[p].name;

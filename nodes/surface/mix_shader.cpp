@@ -79,7 +79,7 @@ static NodeType output_node(const char* name, const char* summary, bool active) 
 ALDER_NODE {
     using namespace param;
     NodeType n = output_node("ShaderNodeOutputMaterial", "end of a material", false);
-    n.params.push_back(closure("Volume").doc("volumes are not available"));
+    n.params.push_back(closure("Volume"));
     n.params.push_back(vector("Displacement", 0, 0, 0));
     n.params.push_back(f("Thickness", 0).doc("has no effect"));
     n.outputs = {{"Surface", Type::Closure}, {"Volume", Type::Closure}, {"Displacement", Type::Vector}};
@@ -92,7 +92,7 @@ ALDER_NODE {
 }
 ALDER_NODE {
     NodeType n = output_node("ShaderNodeOutputWorld", "end of the world's shader", true);
-    n.params.push_back(param::closure("Volume").doc("volumes are not available"));
+    n.params.push_back(param::closure("Volume"));
     n.outputs = {{"Surface", Type::Closure}, {"Volume", Type::Closure}};
     n.uses = [](const Statics&, int p) { return p == 0 || p == 3; };
     n.lower = [](Lowering& l, int output) { l.pass_closure(output == 0 ? 0 : 3, {}); };

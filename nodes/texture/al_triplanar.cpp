@@ -22,12 +22,19 @@ enum Space { kWorld, kObject, kPref };
 HWY_BEFORE_NAMESPACE();
 namespace alder::HWY_NAMESPACE {
 
-/// The image read as projections ask for it. Places that are not finite count as 0.
+/// The image read as projections ask for it. Places that are not finite count as 0. With a bias, from the mip level of the pixel's
+/// footprint and as many levels above or below; without one at full resolution, filtered by the samples of a pixel.
+template <class F>
 struct TriplanarRead {
     const StoredImage* image;
-    template <class F>
+    F bias;
     HWY_INLINE Rgba<F> operator()(const Projected<F>& at) const {
-        return lookup_image(image, select(isfinite(at.u), at.u, F(0)), select(isfinite(at.v), at.v, F(0)), kInterpolateLinear, kExtendRepeat, true);
+        const F u = select(isfinite(at.u), at.u, F(0)), v = select(isfinite(at.v), at.v, F(0));
+        if (!any(bias != F(0))) return lookup_image(image, u, v, kInterpolateLinear, kExtendRepeat, true);
+        const F size = exp2(clamp(bias, F(-30), F(30)));
+        UvSteps<F> steps;
+        steps.dudx = at.dudx * size, steps.dvdx = at.dvdx * size, steps.dudy = at.dudy * size, steps.dvdy = at.dvdy * size;
+        return lookup_image_filtered(image, u, v, steps, kInterpolateLinear, kExtendRepeat, true);
     }
 };
 template <int kCells>
@@ -64,12 +71,12 @@ struct AlTriplanar {
             const Mask<F> looked = weight.x + weight.y + weight.z > F(0);
             r = {{select(looked, one, F(0)), F(0), F(0)}, select(looked, one, F(0))};   // opaque red, as in the original
         } else if (k.statics().e(kTiling) == 0) {
-            r = triplanar_regular(t, weight, TriplanarRead{image});
+            r = triplanar_regular(t, weight, TriplanarRead<F>{image, k.f(18)});
         } else {
             const Mask<F> soft = t.cell_softness > F(0);
-            if (any(soft)) r = triplanar_cells<3>(t, weight, TriplanarCells<3>(), TriplanarRead{image});
+            if (any(soft)) r = triplanar_cells<3>(t, weight, TriplanarCells<3>(), TriplanarRead<F>{image, k.f(18)});
             if (!all(soft)) {
-                const Rgba<F> hard = triplanar_cells<1>(t, weight, TriplanarCells<1>(), TriplanarRead{image});
+                const Rgba<F> hard = triplanar_cells<1>(t, weight, TriplanarCells<1>(), TriplanarRead<F>{image, k.f(18)});
                 if (any(soft)) r = {select<F>(soft, r.rgb, hard.rgb), select(soft, r.a, hard.a)};
                 else r = hard;
             }
@@ -128,11 +135,7 @@ static void lower_triplanar(Lowering& l, int) {
 }
 static bool triplanar_uses(const Statics& s, int param) {
     using namespace al_triplanar;
-    if (param == kMipMapBias) return false;
     return s.e(kTiling) == 1 || (param != kCellSoftness && !(param >= kRotJitterX && param < kRotJitterX + 3));
-}
-static void check_triplanar(const Statics& s, const std::vector<const double*>&, std::vector<std::string>& errors) {
-    if (s.e(al_triplanar::kMipMapBias) != 0) errors.push_back("mipMapBias: 0; the image is read at its full resolution and filtered by the samples of a pixel");
 }
 
 ALDER_NODE {
@@ -159,14 +162,13 @@ ALDER_NODE {
     for (const char* a : axes) n.params.push_back(f(std::string("offset") + a, 0).range(-10, 10).in("Positioning").doc("shift of the image"));
     for (const char* a : axes) n.params.push_back(f(std::string("rot") + a, 0).range(0, 360).in("Positioning").doc("turn of the image, in degrees"));
     for (const char* a : axes) n.params.push_back(f(std::string("rotjitter") + a, 1).range(0, 1).in("Positioning").doc("cellnoise: share of a turn that is random"));
-    n.params.push_back(i("mipMapBias", 0).no_link().doc("coarser (above 0) or finer mip levels"));
+    n.params.push_back(i("mipMapBias", 0).no_link().doc("mip levels coarser (above 0) or finer than the pixel asks for; at 0 the image is read at its full resolution and the samples of a pixel filter it"));
     n.outputs = {{"out", Type::Color}};
     n.kernel = al_triplanar_kernel_kernel();
     n.cost_ns = 150;
     n.foldable = false;
     n.uses = triplanar_uses;
     n.prepare = [](const Statics& s, std::vector<std::string>& errors) { return open_al_texture(s, al_triplanar::kTexture, errors); };
-    n.check = check_triplanar;
     n.lower = lower_triplanar;
     return n;
 }

@@ -129,6 +129,8 @@ const std::byte* StoredImage::texel(int level, int x, int y) const {
 void StoredImage::report_broken(const std::string& reason) const {
     std::call_once(broken_, [&] {
         const std::string fault = fmt::format("{}: {}", path_, reason);
+        broken_reason_ = reason;
+        is_broken_.store(true, std::memory_order_release);
         if (store_) store_->report(fault);
         // Nobody waits for an answer about it: the warnings of the request have been given.
         if (const auto listener = fault_listener().load()) listener(fault);

@@ -66,6 +66,9 @@ class StoredImage {
     const std::byte* texel(int level, int x, int y) const;
     /// A part of the file turned out to be broken while it was looked up. Told once an image.
     void report_broken(const std::string& reason) const;
+    /// What was reported so; empty: nothing yet.
+    std::string broken() const { return is_broken_.load(std::memory_order_acquire) ? broken_reason_ : std::string(); }
+    const std::string& path() const { return path_; }
 
   private:
     friend class ImageStore;
@@ -74,6 +77,8 @@ class StoredImage {
     std::string path_;
     uint64_t id_ = 0;
     mutable std::once_flag pyramid_made_, broken_;
+    mutable std::atomic<bool> is_broken_{false};
+    mutable std::string broken_reason_;
     mutable std::unique_ptr<const Pyramid> pyramid_;
 };
 

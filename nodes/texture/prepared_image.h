@@ -8,6 +8,10 @@ namespace alder {
 
 struct PreparedImage : PreparedTexture, ResourceFaults {
     std::shared_ptr<const StoredImage> image;  ///< null: none chosen, or the file is not there
+    std::vector<Fault> late_faults() const override {
+        const std::string reason = image ? image->broken() : std::string();
+        return reason.empty() ? std::vector<Fault>() : std::vector<Fault>{{"image", image->path(), reason}};
+    }
 };
 
 /// NodeType::prepare of nodes with parameters `image` and `texture_mapping`.

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "nodes/texture/tex_noise.cpp"
 #include "hwy/foreach_target.h"
 
+#include "nodes/math/finite-inl.h"
 #include "nodes/noise/fractal-inl.h"
 #include "nodes/texture/texture_mapping-inl.h"
 
@@ -132,6 +133,7 @@ struct TexNoise {
             if (!wanted) continue;
             F value = fractal<kType>(component == 0 ? p : offsets.moved(p, D - 1 + component), q);
             if (kType == kFbm && fades) value = q.normalize ? mad(left, value - F(0.5f), F(0.5f)) : left * value;
+            value = finite_or_limit(value);   // roughness and lacunarity have no upper limit
             if (component == 0) k.set(kFacOut, value);
             k.set(kColorOut + component, value);
         }

@@ -6,6 +6,7 @@
 #define ALDER_NODES_TEXTURE_TEX_VORONOI_INL_H_
 #endif
 
+#include "nodes/math/finite-inl.h"
 #include "nodes/noise/voronoi-inl.h"
 #include "nodes/texture/tex_voronoi.h"
 #include "nodes/texture/texture_mapping-inl.h"
@@ -41,18 +42,18 @@ struct TexVoronoi {
         q.wants_position = k.wants(kPositionOut) || k.wants(kPositionOut + 1) || k.wants(kPositionOut + 2) || k.wants(kWOut);
 
         if constexpr (kFeature == kDistanceToEdge) {
-            k.set(kDistanceOut, fractal_voronoi_distance_to_edge(p, q));
+            k.set(kDistanceOut, finite_or_limit(fractal_voronoi_distance_to_edge(p, q)));
         } else if constexpr (kFeature == kSphereRadius) {
-            k.set(kRadiusOut, voronoi_sphere_radius(p, q));
+            k.set(kRadiusOut, finite_or_limit(voronoi_sphere_radius(p, q)));
         } else {
             const VoronoiResult<D, F> r = fractal_voronoi<kFeature>(p, q);
-            k.set(kDistanceOut, r.distance);
-            if (q.wants_color) k.set(kColorOut, r.color);
+            k.set(kDistanceOut, finite_or_limit(r.distance));
+            if (q.wants_color) k.set(kColorOut, finite_or_limit(r.color));
             if (q.wants_position) {
                 const F zero(0);
-                k.set(kPositionOut, Vec3<F>(D > 1 ? r.position.c[0] : zero, D > 1 ? r.position.c[D > 1 ? 1 : 0] : zero,
-                                            D > 2 ? r.position.c[D > 2 ? 2 : 0] : zero));
-                k.set(kWOut, D == 1 || D == 4 ? r.position.c[D - 1] : zero);
+                k.set(kPositionOut, finite_or_limit(Vec3<F>(D > 1 ? r.position.c[0] : zero, D > 1 ? r.position.c[D > 1 ? 1 : 0] : zero,
+                                            D > 2 ? r.position.c[D > 2 ? 2 : 0] : zero)));
+                k.set(kWOut, D == 1 || D == 4 ? finite_or_limit(r.position.c[D - 1]) : zero);
             }
         }
         // What the feature does not give is 0.

@@ -3,6 +3,7 @@
 #define HWY_TARGET_INCLUDE "nodes/texture/tex_wave.cpp"
 #include "hwy/foreach_target.h"
 
+#include "nodes/math/finite-inl.h"
 #include "nodes/noise/fractal-inl.h"
 #include "nodes/texture/texture_mapping-inl.h"
 
@@ -66,7 +67,7 @@ struct TexWave {
             for (int i = 0; i < 3; ++i) c.c[i] = p[i] * detail_scale;
             n = select(distorted, mad(distortion, fbm(c, fractal) * F(2) - F(1), n), n);
         }
-        const F value = wave_profile<kProfile>(n);
+        const F value = wave_profile<kProfile>(finite_or_limit(n));
         k.set(kFacOut, value);
         k.set(kColorOut, Vec3<F>(value));
     }

@@ -20,7 +20,9 @@ Bsdf<T>::Bsdf(std::span<Lobe<T>> lobes, const ShadingView<T>& view) : lobes_(lob
     int candidates = 0;
     for (Lobe<T>& l : lobes_) {
         l.pick = 0;
-        if (l.spec->kind == LobeKind::Emission || l.spec->kind == LobeKind::Holdout) continue;
+        if (l.spec->kind == LobeKind::Emission || l.spec->kind == LobeKind::Holdout || l.spec->kind == LobeKind::Absorption ||
+            l.spec->kind == LobeKind::Interior)
+            continue;
         if (l.weight.x == 0 && l.weight.y == 0 && l.weight.z == 0) continue;
         only = &l;
         ++candidates;

@@ -9,11 +9,17 @@
 #include "render/closure/hair_lobes.h"
 #include "render/closure/measured.h"
 #include "render/closure/microfacet.h"
+#include "render/closure/phase.h"
 
 namespace alder {
 namespace closure {
 namespace {
 namespace hw = alder::HWY_NAMESPACE;
+
+/// Kinds that send light on in some direction.
+bool scatters(const LobeSpec& s) {
+    return s.kind != LobeKind::Emission && s.kind != LobeKind::Holdout && s.kind != LobeKind::Absorption && s.kind != LobeKind::Interior;
+}
 
 template <class T>
 bool is_zero(Vec3<T> c) { return c.x == 0 && c.y == 0 && c.z == 0; }
@@ -332,6 +338,11 @@ BsdfEval<T> eval_shape(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi)
     const LobeSpec& spec = *l.spec;
     if (spec.kind < LobeKind::Diffuse) return {};
     if (spec.is_hair()) return eval_hair(l, view, wi);  // fibres scatter to all sides
+    if (spec.is_phase()) {
+        const T p = phase_value(l, view.wo, wi);
+        return {Vec3<T>(p), p};
+    }
+    if (!scatters(spec) || spec.kind == LobeKind::RayPortal) return {};
     // The light must be on the same side of the lobe's normal and of the geometry, and on the side the lobe scatters to.
     const T nl = dot(l.n, wi), gl = dot(view.ng, wi);
     if (spec.kind == LobeKind::MicrofacetGlass) {
@@ -372,7 +383,7 @@ Lobe<T> load_lobe(const LobeSpec& spec, const Channel<T>* channels, size_t i) {
 
 template <class T>
 bool is_delta(const Lobe<T>& l) {
-    if (l.spec->kind == LobeKind::Transparent || l.spec->is_subsurface()) return true;
+    if (l.spec->kind == LobeKind::Transparent || l.spec->kind == LobeKind::RayPortal || l.spec->is_subsurface()) return true;
     if (l.spec->kind == LobeKind::AshikhminShirley) return closure::Phong<T>(l).is_delta();
     return l.spec->is_microfacet() && closure::MicrofacetLobe<T>(l).facets.is_delta();
 }
@@ -389,12 +400,22 @@ BsdfEval<T> eval_lobe(const Lobe<T>& l, const ShadingView<T>& view, Vec3<T> wi) 
 template <class T>
 BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T u2, T u3) {
     BsdfSample<T> s;
-    if (closure::is_zero(l.weight) || l.spec->kind == LobeKind::Emission || l.spec->kind == LobeKind::Holdout) return s;
+    if (closure::is_zero(l.weight) || !closure::scatters(*l.spec)) return s;
     if (l.spec->kind == LobeKind::Transparent) {
         s.wi = -view.wo;
         s.weight = closure::bounded(l.weight);
         s.pdf = 1;
         s.is_delta = s.is_transmission = s.valid = true;
+        s.roughness = 0;
+        return s;
+    }
+    if (l.spec->kind == LobeKind::RayPortal) {
+        const Vec3<T> direction(l.p[3], l.p[4], l.p[5]);
+        s.wi = closure::is_zero(direction) ? -view.wo : safe_normalize(direction);
+        s.weight = closure::bounded(l.weight);
+        s.pdf = 1;
+        s.is_delta = s.is_transmission = true;
+        s.valid = dot(s.wi, s.wi) > T(0.5);
         s.roughness = 0;
         return s;
     }
@@ -406,7 +427,12 @@ BsdfSample<T> sample_lobe(const Lobe<T>& l, const ShadingView<T>& view, T u1, T 
         return s;
     }
     const bool phong = l.spec->kind == LobeKind::AshikhminShirley;
-    if (l.spec->is_hair()) {
+    if (l.spec->is_phase()) {  // drawn by its own value
+        s.wi = closure::sample_phase(l, view.wo, u1, u2);
+        s.pdf = closure::phase_value(l, view.wo, s.wi);
+        s.weight = Vec3<T>(T(1));
+        s.valid = s.pdf > 0;
+    } else if (l.spec->is_hair()) {
         s = closure::sample_hair(l, view, u1, u2, u3);
     } else if (l.spec->is_microfacet() && !phong) {
         s = closure::sample_microfacet(l, view, u1, u2, u3);
@@ -438,7 +464,7 @@ template <class T>
 Vec3<T> lobe_albedo(const Lobe<T>& l, Vec3<T> wo) {
     using namespace closure;
     const LobeSpec& spec = *l.spec;
-    if (is_zero(l.weight) || spec.kind == LobeKind::Emission || spec.kind == LobeKind::Holdout) return Vec3<T>(T(0));
+    if (is_zero(l.weight) || !scatters(spec)) return Vec3<T>(T(0));
     if (spec.is_hair()) return bounded(l.weight * hair_albedo(l, wo));
     if (!spec.is_microfacet() || spec.kind == LobeKind::AshikhminShirley) return bounded(l.weight);
     const T c = dot(l.n, wo);

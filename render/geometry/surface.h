@@ -54,7 +54,7 @@ struct InstanceFrame {
 struct ShadingPoint {
     Vec3f p, ng, n, wo;
     float u = 0, v = 0;          ///< barycentrics as in Hit
-    uint32_t instance = kNothing, triangle = 0;
+    uint32_t instance = kNothing, triangle = 0;  ///< triangle kNothing: a point within the instance
     float time = 0.5f;           ///< of the shutter
     float distance = 0;          ///< along the ray
     float footprint = 0;         ///< half a pixel's width here (ray cone radius)

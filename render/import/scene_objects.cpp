@@ -336,6 +336,7 @@ void read_settings(SceneReading& s, const json& j, const std::string& pointer) {
     r.integer("diffuse_bounces", x.diffuse_bounces, 0, 1024);
     r.integer("glossy_bounces", x.glossy_bounces, 0, 1024);
     r.integer("transmission_bounces", x.transmission_bounces, 0, 1024);
+    r.integer("volume_bounces", x.volume_bounces, 0, 1024);
     r.integer("transparent_bounces", x.transparent_bounces, 0, 1024);
     r.number("clamp_direct", x.clamp_direct, 0);
     r.number("clamp_indirect", x.clamp_indirect, 0);

@@ -224,7 +224,7 @@ class SceneWriter {
         const RenderSettings& s = scene_.settings;
         json j{{"resolution", {s.width, s.height}}, {"samples", s.samples}, {"seed", s.seed}, {"max_bounces", s.max_bounces},
                 {"diffuse_bounces", s.diffuse_bounces}, {"glossy_bounces", s.glossy_bounces}, {"transmission_bounces", s.transmission_bounces},
-                {"transparent_bounces", s.transparent_bounces}, {"clamp_direct", number(s.clamp_direct)}, {"clamp_indirect", number(s.clamp_indirect)},
+                {"volume_bounces", s.volume_bounces}, {"transparent_bounces", s.transparent_bounces}, {"clamp_direct", number(s.clamp_direct)}, {"clamp_indirect", number(s.clamp_indirect)},
                 {"film_transparent", s.film_transparent}, {"exposure", number(s.exposure)}, {"filter_glossy", number(s.filter_glossy)}, {"filter", kFilterNames[int(s.filter)]}, {"filter_width", number(s.filter_width)},
                 {"caustics_reflective", s.caustics_reflective}, {"caustics_refractive", s.caustics_refractive},
                 {"texture_filter", s.texture_filter}, {"noise_filter", s.noise_filter}};

@@ -23,6 +23,7 @@ struct WorldLight {
     EnvironmentMap map;  ///< usable where the world is sampled
     int light_group = 0;
     uint32_t visibility = kVisibleAll;
+    std::shared_ptr<const SceneProgram> volume;  ///< what fills the world; null: nothing
     bool is_black() const { return !program && constant.x == 0 && constant.y == 0 && constant.z == 0; }
 };
 /// Evaluates the world on a grid (in parallel) unless it is constant. Faults of the graph are in `d`.

@@ -45,6 +45,7 @@ void Worker::start_paths(const Tile& tile, uint64_t first, uint32_t count) {
             }
     counters_.camera_rays += n;
     if (plan_->moves) counters_.timed_paths += n;
+    if (plan_->media) start_inside();
 }
 
 void Worker::resolve(const Tile& tile, uint32_t count, std::span<LeafSum> leaf) {
@@ -89,6 +90,7 @@ bool Worker::trace(const Tile& tile, uint64_t first, uint32_t count, std::span<L
         shade_surfaces();
         if (plan_->stopped()) return false;
         if (!walks_.empty()) scatter_subsurface();
+        if (!events_.empty()) scatter_in_media();
         evaluate_emission();
         trace_shadows();
         active_.swap(next_);
@@ -167,6 +169,7 @@ float Worker::met_weight(float light_pdf, float scatter_pdf) const {
 
 uint32_t Worker::ray_visibility(const RayHistory& h) const {
     if (h.kinds & kRayCamera) return kVisibleCamera;
+    if (h.kinds & kRayVolume) return kVisibleVolume;
     if (h.kinds & kRayTransmission) return kVisibleTransmission;
     return h.kinds & kRayDiffuse ? kVisibleDiffuse : kVisibleGlossy;
 }

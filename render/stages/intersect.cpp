@@ -19,39 +19,52 @@ void Worker::intersect() {
     shadows_.clear();
     shares_.clear();
     walks_.clear();
+    events_.clear();
+    event_lobes_.clear();
+    shadow_inside_.clear();
     for (const uint32_t index : active_) {
         Path& path = paths_[index];
         if (path.vertex > 0) ++counters_.bounce_rays;
         const Ray ray{path.history.origin, path.history.direction, path.t_min, path.t_max, path.history.time, path.hit.instance, path.hit.triangle};
         const bool hit = accel.intersect(ray, ray_visibility(path.history), path.hit);
-        if (lamps) meet_lamps(index, hit ? path.hit.t : std::numeric_limits<float>::infinity());
+        if (!hit) path.hit = {.t = std::numeric_limits<float>::infinity()};
         (hit ? hits_ : missed_).push_back(index);
     }
+    if (lamps) meet_lamps();
+    if (plan_->media) traverse_media();
     meet_background();
 }
 
 /// Lamps are seen, and lit by, but hide nothing: a ray collects all of them up to its first surface.
-void Worker::meet_lamps(uint32_t index, float t_max) {
+void Worker::meet_lamps() {
     const LightTable& lights = *plan_->scene.lights;
-    const Path& path = paths_[index];
-    const Ray ray{path.history.origin, path.history.direction, path.t_min, t_max};
-    for (const uint32_t v : lights.lamps_along(ray, lamps_)) {
-        const Lamp& lamp = lights.lamp(v);
-        if (!(lamp.light().visibility & ray_visibility(path.history))) continue;
-        LampSample s;
-        if (!lamp.intersect(path.history.origin, path.history.direction, path.t_min, t_max, s)) continue;
-        const float light_pdf = path.scatter_pdf > 0 ? lights.lamp_pdf(path.history.origin, v, s.pdf) : 0.f;
-        const float weight = met_weight(light_pdf, path.scatter_pdf);
-        const Vec3f value = path.throughput * s.radiance * weight;
-        if (is_black(value)) continue;
-        if (const SceneProgram* const program = lights.lamp_program(v)) {
+    met_.clear();
+    for (const uint32_t index : active_) {
+        const Path& path = paths_[index];
+        const Ray ray{path.history.origin, path.history.direction, path.t_min, path.hit.t};
+        for (const uint32_t v : lights.lamps_along(ray, lamps_)) {
+            const Lamp& lamp = lights.lamp(v);
+            if (!(lamp.light().visibility & ray_visibility(path.history))) continue;
+            LampSample s;
+            if (!lamp.intersect(path.history.origin, path.history.direction, path.t_min, path.hit.t, s)) continue;
+            const float light_pdf = path.scatter_pdf > 0 ? lights.lamp_pdf(path.history.origin, v, s.pdf) : 0.f;
+            const float weight = met_weight(light_pdf, path.scatter_pdf);
+            const Vec3f value = path.throughput * s.radiance * weight;
+            if (!is_black(value)) met_.push_back({index, v, s, value});
+        }
+    }
+    if (plan_->media) dim_lamps();
+    for (const MetLamp& m : met_) {
+        const Path& path = paths_[m.path];
+        const Lamp& lamp = lights.lamp(m.lamp);
+        if (const SceneProgram* const program = lights.lamp_program(m.lamp)) {
             RayHistory h = path.history;
             h.kinds = 0;
             ++h.depth;
-            pending_.push_back({program, lamp_point(lamp, s, h.origin), h, static_cast<uint32_t>(found_.size())});
-            found_.push_back({index, value, lamp.light().light_group, false});
+            pending_.push_back({program, lamp_point(lamp, m.sample, h.origin), h, static_cast<uint32_t>(found_.size())});
+            found_.push_back({m.path, m.factor, lamp.light().light_group, false});
         } else {
-            add_path_light(path, value, lamp.light().light_group, false);
+            add_path_light(path, m.factor, lamp.light().light_group, false);
         }
     }
 }

@@ -25,6 +25,10 @@ bool lobe_sees(const LobeSpec& spec, uint32_t visibility) {
         case LobeKind::HairChiang:
         case LobeKind::HairOrder:
         case LobeKind::HairHuang: return visibility & (kVisibleGlossy | kVisibleTransmission);
+        case LobeKind::PhaseHenyeyGreenstein:
+        case LobeKind::PhaseRayleigh:
+        case LobeKind::PhaseDraine:
+        case LobeKind::PhaseFournierForand: return visibility & kVisibleVolume;
         default: return visibility & kVisibleDiffuse;
     }
 }
@@ -35,7 +39,7 @@ void Worker::sample_light(const Path& path, uint32_t index, const ShadingPoint& 
     const Sample4 u = sample_set(path.key, set_light(path.vertex));
     LightSample light;
     if (!plan_->scene.lights->sample(point.p, u.u[2], u.u[0], u.u[1], point.time, light)) return;
-    constexpr uint32_t kLit = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
+    constexpr uint32_t kLit = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission | kVisibleVolume;
     const bool partly_hidden = (light.visibility & kLit) != kLit;
     const bool scattered = path.flags & kScattered, layers = plan_->aovs->any_layer && !scattered;
     const bool is_transmission = dot(point.ng, light.wi) < 0;
@@ -101,6 +105,7 @@ void Worker::sample_light(const Path& path, uint32_t index, const ShadingPoint& 
         ++h.depth;
         pending_.push_back({light.program, light.point, h, static_cast<uint32_t>(shadows_.size())});
     }
+    if (plan_->media) start_in_media(s, path, index, point, light.wi);
     shadows_.push_back(s);
 }
 

@@ -23,6 +23,14 @@ void blur_lobe(Lobe<float>& lobe, float width) {
     }
 }
 
+/// Portals are looked through as transparent surfaces are.
+Vec3f seen_through(const Bsdf<float>& bsdf) {
+    Vec3f sum(0.f);
+    for (const Lobe<float>& l : bsdf.lobes())
+        if (l.spec->kind == LobeKind::Transparent || l.spec->kind == LobeKind::RayPortal) sum += l.weight;
+    return sum;
+}
+
 }  // namespace
 
 void Worker::shade_surfaces() {
@@ -32,7 +40,11 @@ void Worker::shade_surfaces() {
         const RenderPlan::SurfacePrograms& programs = plan_->surface[key / 2];
         const bool with_aovs = key & 1;
         const SceneProgram* const program = with_aovs ? programs.with_aovs : programs.plain;
-        if (!program) continue;  // no surface shader: black
+        if (!program) {  // no surface shader: black, or the boundary of a volume
+            if (plan_->media && plan_->scene.materials[key / 2]->boundary_only)
+                for (size_t i = first; i < last; ++i) pass_boundary(paths_[order_[i]], order_[i]);
+            continue;
+        }
         const size_t batch = program->program->batch();
         for (size_t i = first; i < last; i += batch) {
             if (plan_->stopped()) return;
@@ -76,9 +88,23 @@ void Worker::gather_lobes(const Program& program) {
     current_lobes_ = &program.lobes();
 }
 
+/// What lies behind a surface of several layers is their sum.
+void Worker::add_interior(const Lobe<float>& lobe) {
+    if (!has_interior_) {
+        interior_ = lobe;
+    } else {
+        const float a = average(interior_.weight), b = average(lobe.weight);
+        interior_.weight += lobe.weight;
+        for (int c = 0; c < 3; ++c) interior_.p[c] += lobe.p[c];
+        if (a + b > 0) interior_.p[3] = (interior_.p[3] * a + lobe.p[3] * b) / (a + b);
+    }
+    has_interior_ = true;
+}
+
 /// The lobes that exist at point i for this path.
 std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
     size_t count = 0;
+    has_interior_ = false;
     const RenderSettings& s = plan_->settings;
     // Cycles' Filter Glossy: behind scatterings in unlikely directions glossy lobes are widened, the more the less likely.
     const float likely = s.filter_glossy > 0 ? path.min_pdf / s.filter_glossy : 1.f;
@@ -88,7 +114,12 @@ std::span<Lobe<float>> Worker::load_lobes(const Path& path, size_t i) {
         const Channel<float>* const c = lobe_channels_.data() + lobe_first_[k];
         if (c[0].p[i * c[0].stride] == 0 && c[1].p[i * c[1].stride] == 0 && c[2].p[i * c[2].stride] == 0) continue;
         if (spec.shadow_only) continue;
-        const bool scatters = spec.kind != LobeKind::Emission && spec.kind != LobeKind::Transparent && spec.kind != LobeKind::Holdout;
+        if (spec.kind == LobeKind::Interior) {
+            add_interior(load_lobe(spec, c, i));
+            continue;
+        }
+        const bool scatters = spec.kind != LobeKind::Emission && spec.kind != LobeKind::Transparent && spec.kind != LobeKind::Holdout &&
+                              spec.kind != LobeKind::RayPortal;
         if (scatters && path.flags & kLastVertex) continue;
         if (path.flags & kDiffuseBefore && spec.is_microfacet()) {
             const bool refracts = spec.kind == LobeKind::MicrofacetTransmission;
@@ -123,7 +154,7 @@ bool Worker::shade_point(Path& path, uint32_t index, const ShadingPoint& point, 
     if (program.facts().has_emission) emit(path, point, bsdf);
     if (!(path.flags & kScattered))
         if (const Vec3f holdout = bsdf.holdout(); !is_black(holdout)) row(path.slot)[a.alpha] -= average(holdout * path.throughput);
-    if (!(path.flags & kDataDone) && average(bsdf.transparency()) <= 0.5f) {  // Cycles' pass alpha threshold
+    if (!(path.flags & kDataDone) && average(seen_through(bsdf)) <= 0.5f) {  // Cycles' pass alpha threshold
         path.flags |= kDataDone;
         if (a.any_data || a.any_color || with_aovs) record_data(path, point, bsdf, programs, program, with_aovs, i);
     }
@@ -192,6 +223,29 @@ void Worker::record_data(const Path& path, const ShadingPoint& point, const Bsdf
     }
 }
 
+/// To which layers the light belongs that a path finds after its first scattering.
+void Worker::remember_shares(const Path& path, const Bsdf<float>& bsdf, const BsdfSample<float>& s, std::span<const Vec3f> per_lobe) {
+    LabelWeights& w = path_weights_[path.slot];
+    w.fill(Vec3f(0.f));
+    for (size_t k = 0; k < per_lobe.size(); ++k) {
+        const int label = static_cast<int>(label_of(*bsdf.lobes()[k].spec, s.is_transmission));
+        if (label < kScatterLabels) w[label] += per_lobe[k];
+    }
+    for (Vec3f& x : w)
+        for (int c = 0; c < 3; ++c) x[c] = s.weight[c] != 0 ? x[c] / s.weight[c] : 0.f;
+}
+
+/// Roulette by throughput, from the third scattering on; the square root kills later than the throughput itself would, which
+/// costs rays but not variance in dark corners.
+bool Worker::survives(Path& path, float u) {
+    if (path.history.depth < 2) return true;
+    const float survive = std::sqrt(std::max({path.throughput.x, path.throughput.y, path.throughput.z}));
+    if (survive >= 1) return true;
+    if (!(u < survive)) return false;
+    path.throughput *= 1 / survive;
+    return true;
+}
+
 /// Chooses the next direction; false: the path ends here.
 bool Worker::scatter(Path& path, uint32_t index, const ShadingPoint& point, const Bsdf<float>& bsdf) {
     const Sample4 u = sample_set(path.key, set_scatter(path.vertex));
@@ -212,23 +266,31 @@ bool Worker::scatter(Path& path, uint32_t index, const ShadingPoint& point, cons
     if (spec.kind == LobeKind::Transparent) {
         // The ray goes on as it was, from the same origin: densities of lights still refer to the vertex it left.
         if (++h.transparent > settings.transparent_bounces) return false;
+        if (plan_->media) cross(inside(index), path.media, point, nullptr);
         path.t_min = std::nextafter(point.distance, std::numeric_limits<float>::infinity());
         return path.t_min < path.t_max;
     }
 
+    if (spec.kind == LobeKind::RayPortal) {
+        // Light sampling does not find the way through, so that what the ray meets counts in full.
+        if (++h.transparent > settings.transparent_bounces) return false;
+        const auto& p = bsdf.lobes()[s.lobe].p;
+        const Vec3f to(p[0], p[1], p[2]);
+        if (!is_finite(to)) return false;
+        if (plan_->media) cross(inside(index), path.media, point, nullptr);
+        const Vec3f step = to - point.p;
+        h.origin = dot(step, step) > 1e-9f ? to : leave_surface(point, s.wi);
+        h.direction = s.wi;
+        path.footprint = point.footprint;
+        path.scatter_pdf = 0;
+        path.t_min = 0;
+        path.t_max = std::numeric_limits<float>::max();
+        return true;
+    }
     if (spec.kind == LobeKind::MicrofacetGlass && path.flags & kDiffuseBefore &&
         !(s.is_transmission ? settings.caustics_refractive : settings.caustics_reflective))
         return false;
-    if (layers) {
-        LabelWeights& w = path_weights_[path.slot];
-        w.fill(Vec3f(0.f));
-        for (size_t k = 0; k < per_lobe.size(); ++k) {
-            const int label = static_cast<int>(label_of(*bsdf.lobes()[k].spec, s.is_transmission));
-            if (label < kScatterLabels) w[label] += per_lobe[k];
-        }
-        for (Vec3f& x : w)
-            for (int c = 0; c < 3; ++c) x[c] = s.weight[c] != 0 ? x[c] / s.weight[c] : 0.f;
-    }
+    if (layers) remember_shares(path, bsdf, s, per_lobe);
     path.flags |= kScattered;
     if (spec.is_subsurface()) {  // goes on from where it leaves the body, after the surfaces of this depth
         walks_.push_back({index, point, bsdf.lobes()[s.lobe]});
@@ -252,15 +314,8 @@ bool Worker::scatter(Path& path, uint32_t index, const ShadingPoint& point, cons
     path.scatter_pdf = s.is_delta ? 0 : s.pdf;
     if (!s.is_delta) path.min_pdf = std::min(path.min_pdf, s.pdf);
 
-    // Roulette by throughput, from the third scattering on; the square root kills later than the throughput itself would,
-    // which costs rays but not variance in dark corners.
-    if (h.depth >= 2) {
-        const float survive = std::sqrt(std::max({path.throughput.x, path.throughput.y, path.throughput.z}));
-        if (survive < 1) {
-            if (!(u.u[3] < survive)) return false;
-            path.throughput *= 1 / survive;
-        }
-    }
+    if (!survives(path, u.u[3])) return false;
+    if (plan_->media && dot(point.ng, s.wi) < 0) cross(inside(index), path.media, point, has_interior_ ? &interior_ : nullptr);
     h.origin = leave_surface(point, s.wi);
     h.direction = s.wi;
     path.footprint = point.footprint;

@@ -189,6 +189,15 @@ struct Door::Impl : private httplib::Server {
                             const ssize_t n = pread(file->fd, piece, std::min(length, sizeof piece), static_cast<off_t>(base + offset));
                             return n > 0 && sink.write(piece, static_cast<size_t>(n));
                         });
+            } else if (response.stream) {
+                // Chunks, so that the connection can go on afterwards; HTTP/1.0 knows none and reads to the end.
+                const auto provide = [stream = std::move(response.stream)](size_t, httplib::DataSink& sink) {
+                    stream([&](std::string_view piece) { return sink.write(piece.data(), piece.size()); });
+                    sink.done();
+                    return true;
+                };
+                if (request.http_1_0) out.set_content_provider(response.stream_type, provide);
+                else out.set_chunked_content_provider(response.stream_type, provide);
             } else {
                 out.body = std::move(response.body);
             }

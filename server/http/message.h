@@ -72,11 +72,16 @@ struct FileBody {
     uint64_t offset = 0, length = 0;
 };
 
+/// Sends a piece of a stream; false when the client is gone or takes nothing any more.
+using StreamWriter = std::function<bool(std::string_view)>;
+
 struct Response {
     int status = 200;
     std::vector<std::pair<std::string, std::string>> headers;
     std::string body;
     std::optional<FileBody> file;
+    std::string stream_type;                           ///< Content-Type of `stream`
+    std::function<void(const StreamWriter&)> stream;   ///< writes the body until it returns; on the connection's own thread
     bool close = false;   ///< end the connection after this answer
 
     void set(std::string name, std::string value);   ///< replaces a header of that name

@@ -11,12 +11,21 @@
 #include "server/jobs/accept.h"
 #include "server/jobs/answer.h"
 #include "server/jobs/files.h"
+#include "server/jobs/visible.h"
 #include "server/negotiate.h"
 #include "server/picture.h"
 #include "server/routes.h"
 #include "server/service.h"
 
 namespace alder {
+
+jobs::Job jobs::visible(Service& s, const http::Request& request) {
+    const std::string& id = request.parameters.at("id");
+    Job job = s.renders.get(id);
+    if (!request.sees_all && job.user != request.user) throw Problem{"not-found", fmt::format("there is no render '{}'", id.substr(0, 64))};
+    return job;
+}
+
 namespace {
 
 using namespace jobs;
@@ -28,14 +37,6 @@ double wait_of(const http::Request& request) {
     const auto wait = preferred_wait(request);
     if (wait && *wait > kWaitMost) throw Problem{"malformed-request", "Prefer: wait is at most 3600 seconds"};
     return wait.value_or(0);
-}
-
-/// A render that this client may see; else it is not there.
-Job visible(Service& s, const http::Request& request) {
-    const std::string& id = request.parameters.at("id");
-    Job job = s.renders.get(id);
-    if (!request.sees_all && job.user != request.user) throw Problem{"not-found", fmt::format("there is no render '{}'", id.substr(0, 64))};
-    return job;
 }
 
 /// Holds an Idempotency-Key while its request is answered.

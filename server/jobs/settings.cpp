@@ -56,8 +56,10 @@ void read_output(Members& o, JobSettings& s) {
                           : compression == "piz" ? ExrOptions::Compression::Piz : compression == "rle" ? ExrOptions::Compression::Rle : ExrOptions::Compression::Zip;
     o.choice("parts", parts, {"single"});
     o.choice("naming", naming, {"alder"});
-    if (o.text("name", s.name) && !is_output_name(s.name))
+    if (o.text("name", s.name) && !is_output_name(s.name)) {
         o.fault("name", "wrong-value", brief(s.name), "a file name of letters, digits, '.', '_', '-' that does not begin with '.', at most 200 long, with %04d for the frame");
+        s.name.clear();   // the default: nobody ever sees the other
+    }
     o.finish(s.lenient);
 }
 

@@ -16,7 +16,7 @@ import ass_materials  # noqa: E402
 DATA = os.path.join(HERE, "..", "data", "alshaders")
 ALDER = os.path.join(os.environ.get("ALDER_BINARY_DIR") or os.path.join(HERE, "..", "..", "build"), "alder")
 # Materials whose look rests on what this version does not have; the parameter that the error names.
-REFUSED = {"test_als_merlot": "ssSpecifyCoefficients"}
+REFUSED = {}
 
 
 def convert(text, root=None):

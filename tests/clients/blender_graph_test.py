@@ -97,12 +97,13 @@ class Graphs(unittest.TestCase):
         self.assertEqual(node, {"type": "ShaderNodeEmission", "params": {"Color": {"node": "RGB", "output": "Color"}, "Strength": 1.0}})
         accepted(self, graph)
 
-    def test_volumes_are_named_not_written(self):
+    def test_volumes_are_outputs(self):
         scatter = self.tree.add("Scatter", "ShaderNodeVolumeScatter", [Socket("Density", VALUE, 1.0)], [Socket("Volume", SHADER)])
         self.tree.link(scatter, "Volume", self.out, "Volume")
         graph, linked, _ = write(self.tree)
         self.assertIn("Volume", linked)
-        self.assertNotIn("Scatter", graph["nodes"])
+        self.assertEqual(graph["nodes"]["Scatter"]["type"], "ShaderNodeVolumeScatter")
+        self.assertEqual(graph["outputs"]["volume"], {"node": "Scatter", "output": "Volume"})
 
     def test_nodes_that_no_document_can_hold_are_reported(self):
         script = self.tree.add("Script", "ShaderNodeScript", [], [Socket("Color", RGBA, [0, 0, 0, 1])])

@@ -28,9 +28,7 @@ def main():
             continue
         out = tree.nodes.new("ShaderNodeOutputMaterial")
         output = next(s for s in node.outputs if s.enabled)
-        if output.identifier == "Volume":
-            continue
-        tree.links.new(output, out.inputs["Surface"])
+        tree.links.new(output, out.inputs["Volume" if output.identifier == "Volume" else "Surface"])
         report = Report()
         graph, _ = GraphWriter(report, version=bpy.app.version[:2] if bpy.app.version < (4, 5) else None).document(tree, "material", name)
         graphs[name] = {"graph": graph, "told": report.lines()}

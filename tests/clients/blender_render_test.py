@@ -19,7 +19,7 @@ try:
     import alder
 except ImportError:
     np = None
-from alder_blender import passes  # noqa: E402
+from alder_blender import backend, passes  # noqa: E402
 from blender_export_test import command  # noqa: E402
 
 
@@ -77,6 +77,50 @@ class F12(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         catalogue = json.loads(subprocess.run([str(ALDER), "nodes", "--json"], capture_output=True, text=True, check=True).stdout)["items"]
         self.assertEqual(self.result["nodes"], sorted(i["name"] for i in catalogue if i["system"] == "alshaders"), "write al_nodes.json anew: make_add_on.py --nodes")
+
+
+@unittest.skipIf(np is None, "needs numpy")
+class Backends(unittest.TestCase):
+    SCENE = {"alder_scene": 1, "settings": {"resolution": [40, 24], "samples": 4}, "cameras": {"c": {"look_at": {"from": [4, -6, 3], "to": [0, 0, 0]}}},
+             "meshes": {"m": {"positions": [[-1, -1, 0], [1, -1, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}}, "instances": {"m": {"mesh": "m"}},
+             "lights": {"l": {"type": "point", "transform": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 4], "strength": 300}}}
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = os.path.join(folder.name, "scene.alder")
+
+    def write(self, **settings):
+        scene = json.loads(json.dumps(self.SCENE))
+        scene["settings"].update(settings)
+        with zipfile.ZipFile(self.path, "w") as z:
+            z.writestr("scene.json", json.dumps(scene))
+        return self.path
+
+    def test_program_and_daemon_give_the_same_picture(self):
+        told = []
+        image, warnings = backend.Program(str(ALDER)).render(self.write(), ["N"], told.append)
+        self.assertEqual((image.shape, warnings, told[-1]), ((24, 40), [], 1.0))
+        client = alder.local(program=str(ALDER.parent / "alderd"))
+        try:
+            other, _ = backend.Daemon(client.url).render(self.path, ["N"])
+        finally:
+            client.close()
+        for layer in ("beauty", "N"):
+            self.assertTrue(np.array_equal(image[layer], other[layer]), layer)
+
+    def test_a_cancelled_render_gives_what_is_there(self):
+        started = []
+        image, _ = backend.Program(str(ALDER)).render(self.write(resolution=[640, 360], samples=1 << 20), [], started.append, lambda: len(started) > 0)
+        self.assertLess(image.samples, 1 << 20)
+        self.assertFalse(image.complete)
+
+    def test_faults_are_told(self):
+        with self.assertRaises(backend.RenderError) as caught:
+            backend.Program(str(ALDER)).render(self.write(resolution=[0, 0]), [])
+        self.assertIn("resolution", str(caught.exception))
+        with self.assertRaises(backend.RenderError):
+            backend.Daemon("http://127.0.0.1:9").render(self.write(), [])
 
 
 @unittest.skipIf(np is None, "needs numpy")

@@ -146,6 +146,39 @@ class Daemon(unittest.TestCase):
                 return [i async for i in jobs[0].images()]
         self.assertEqual(asyncio.run(session())[-1].samples, 1)
 
+    def test_a_kept_render_is_followed_and_cancelled(self):
+        job = self.client.render(self.scene, samples=64, resolution=[96, 54])
+        images = list(job.images(0.02))
+        if job.id is None:
+            self.skipTest("this daemon renders within the request")
+        samples = [i.samples for i in images]
+        self.assertEqual(samples, sorted(samples))
+        self.assertEqual((job.state, samples[-1]), ("succeeded", 64))
+        job = self.client.render(self.scene, samples=1 << 20, resolution=[640, 360])
+        job.cancel()
+        with self.assertRaises(alder.RenderFailed):
+            job.result(timeout=60, progress=None)
+        self.assertEqual(job.state, "cancelled")
+
+    def test_a_live_view_shows_each_edit(self):
+        scene = self.client.scenes.push(SCENE, progress=None)
+        target = scene.materials[0] + "/Principled BSDF.Base Color"
+        try:
+            view = self.client.live(scene, size=(96, 54))
+        except alder.AlderError as e:
+            if "unsupported" not in str(e) and not isinstance(e, alder.NotAvailable):
+                raise
+            self.skipTest("this daemon has no live renders")
+        with view:
+            for color in ([1, 0, 0, 1], [0, 1, 0, 1]):
+                view[target] = color
+                latency = view.wait(20)
+                self.assertIsNotNone(latency)
+                self.assertLess(latency, 20)
+            self.assertEqual(view[target], [0, 1, 0, 1])
+            self.assertEqual(scene[scene.materials[0]]["nodes"]["Principled BSDF"]["params"]["Base Color"], [0, 1, 0, 1])
+            self.assertGreater(view.image().samples, 0)
+
     def test_the_example_of_the_documentation(self):
         text = (ROOT / "docs" / "python.md").read_text()
         code = text.split("```python\n", 1)[1].split("```", 1)[0]

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "graph/document.h"
 #include "tests/graph/test_nodes.h"
 
 namespace alder::test {
@@ -159,6 +160,27 @@ TEST(Upgrade, documents_may_say_their_version) {
     EXPECT_FALSE(d.contains("blender_version"));
     const json e = upgraded(R"({"blender_version": [4, 5, 1], "nodes": {"n": {"type": "ShaderNodeTexNoise", "params": {"Roughness": 3}}}})");
     EXPECT_EQ(e["nodes"]["n"]["params"]["Roughness"], 3);
+}
+
+/// Twice would turn what the first upgrade gave once more: RANDOM_WALK_FIXED_RADIUS to RANDOM_WALK, and that to RANDOM_WALK_SKIN.
+TEST(Upgrade, groups_written_out_are_upgraded_once_and_by_their_own_version) {
+    const auto falloff = [](const char* version, const char* own) {
+        json group = json::parse(R"({"nodes": {"s": {"type": "ShaderNodeSubsurfaceScattering", "params": {"falloff": "RANDOM_WALK_FIXED_RADIUS"}}},
+                                     "outputs": {"out": {"node": "s"}}})");
+        if (own) group["blender_version"] = own;
+        json doc = {{"nodes", {{"g", {{"type", "ShaderNodeGroup"}, {"graph", group}}}}}, {"outputs", {{"surface", {{"node", "g"}, {"output", "out"}}}}}};
+        if (version) doc["blender_version"] = version;
+        Diagnostics d;
+        const auto read = read_document(doc, {}, d);
+        if (!read) return d.errors[0].line();
+        const DocNode& node = *read->nodes[0]->group->nodes[0];
+        const int param = node.type->param_index("falloff");
+        return node.type->params[param].items[node.params[param].item].name;
+    };
+    EXPECT_EQ(falloff(nullptr, nullptr), "RANDOM_WALK");
+    EXPECT_EQ(falloff("3.6", nullptr), "RANDOM_WALK");
+    EXPECT_EQ(falloff("4.5", "3.6"), "RANDOM_WALK");
+    EXPECT_EQ(falloff("3.6", "4.5"), "RANDOM_WALK");
 }
 
 TEST(Upgrade, aov_outputs_become_aovs) {

@@ -70,6 +70,15 @@ class RawClient {
         buffer_.erase(0, length);
         return a;
     }
+    /// All that has come, once `wanted` has, the connection has ended, or `seconds` have passed.
+    std::string receive_until(std::string_view wanted, double seconds) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
+        while (buffer_.find(wanted) == std::string::npos && more(end)) {
+        }
+        return buffer_;
+    }
+    /// What has come and was not taken as an answer.
+    const std::string& received() const { return buffer_; }
     /// Whether the server ends the connection within `seconds`.
     bool ended(double seconds) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));

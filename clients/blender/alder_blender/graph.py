@@ -54,10 +54,7 @@ class GraphWriter:
         self._groups = {}   # name -> (graph, names of the groups it uses)
 
     def document(self, tree, kind, where):
-        """(graph document, what of "Surface", "Displacement" and "Volume" is linked); a graph without surface where nothing is.
-
-        Graph documents have no volumes yet: that part of the tree is not written, and named by the caller.
-        """
+        """(graph document, what of "Surface", "Displacement" and "Volume" is linked); a graph without surface where nothing is."""
         walk = _Walk(self, tree, where)
         out = output_node(tree, OUTPUTS[kind])
         graph = {"version": 1, "nodes": walk.nodes, "outputs": {}}
@@ -67,7 +64,7 @@ class GraphWriter:
         if out is not None:
             for socket in out.inputs:
                 if is_on(socket) and socket.identifier in ("Surface", "Displacement", "Volume"):
-                    value = walk.source(out, socket) if socket.identifier == "Volume" else walk.linked(out, socket)
+                    value = walk.linked(out, socket)
                     if value is not None:
                         linked[socket.identifier] = value
         surface = linked.get("Surface")
@@ -76,6 +73,9 @@ class GraphWriter:
             if not isinstance(surface, dict) or walk.type_of(surface) != "SHADER":
                 surface = {"node": walk.add("Surface as light", "ShaderNodeEmission", {"Color": surface, "Strength": 1.0}), "output": "Emission"}
             graph["outputs"]["surface"] = surface
+        volume = linked.get("Volume")
+        if isinstance(volume, dict) and walk.type_of(volume) == "SHADER":
+            graph["outputs"]["volume"] = volume
         if isinstance(linked.get("Displacement"), dict):
             graph["outputs"]["displacement"] = linked["Displacement"]
         if kind == "material":

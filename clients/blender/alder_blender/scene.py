@@ -81,6 +81,7 @@ class SceneExporter:
             out["diffuse_bounces"] = c.diffuse_bounces
             out["glossy_bounces"] = c.glossy_bounces
             out["transmission_bounces"] = c.transmission_bounces
+            out["volume_bounces"] = c.volume_bounces
             out["transparent_bounces"] = c.transparent_max_bounces
             out["clamp_direct"] = values.number(c.sample_clamp_direct)
             out["clamp_indirect"] = values.number(c.sample_clamp_indirect)
@@ -137,9 +138,7 @@ class SceneExporter:
         out = {}
         if w.use_nodes and w.node_tree is not None:
             graph, linked = self.graphs.document(w.node_tree, "world", "world " + w.name)
-            if "Volume" in linked:
-                self.report.unsupported("world volume", w.name)
-            if "surface" in graph["outputs"]:
+            if graph["outputs"]:
                 out["graph"] = graph
         else:
             out["graph"] = {"version": 1, "nodes": {"Background": {"type": "ShaderNodeBackground", "params": {"Color": values.numbers(w.color)}}},
@@ -367,12 +366,6 @@ class SceneExporter:
         if not m.use_nodes or m.node_tree is None:
             return _diffuse(values.numbers(m.diffuse_color)[:3])
         graph, linked = self.graphs.document(m.node_tree, "material", "material " + name)
-        if "Volume" in linked:
-            self.report.unsupported("volume of a material", name)
-            if "surface" not in graph["outputs"]:
-                # Alone it does not hide what is behind it.
-                graph["nodes"]["no surface"] = {"type": "ShaderNodeBsdfTransparent", "params": {"Color": [1, 1, 1]}}
-                graph["outputs"]["surface"] = {"node": "no surface", "output": "BSDF"}
         if "displacement" in graph["outputs"]:
             method = getattr(m, "displacement_method", None) or getattr(getattr(m, "cycles", None), "displacement_method", "BUMP")   # Blender 4.1
             if method != "BUMP":

@@ -223,11 +223,7 @@ TEST(al_surface, what_would_change_the_picture_and_is_not_there_is_refused) {
     EXPECT_EQ(fault({{"sssMode", "directional"}, {"sssMix", 0.009}}), "") << "below 0.01 is off";
     EXPECT_EQ(fault({{"sssMode", "directional"}, {"sssMix", 1}, {"diffuseStrength", 0}}), "");
     EXPECT_EQ(fault({{"sssMode", "directional"}, {"sssMix", 1}, {"sssWeight1", 0}}), "") << "no weights, no scattering";
-    EXPECT_EQ(fault({{"ssAttenuationColor", {1, 0.9, 1}}}), "") << "no transmission";
-    EXPECT_EQ(fault({{"ssAttenuationColor", {1, 0.9, 1}}, {"transmissionStrength", 1}}), "ssAttenuationColor");
-    EXPECT_EQ(fault({{"ssInScatteringStrength", 1}, {"transmissionStrength", 1}}), "ssInScatteringStrength");
-    EXPECT_EQ(fault({{"ssSpecifyCoefficients", true}, {"transmissionStrength", 1}}), "ssSpecifyCoefficients");
-    EXPECT_EQ(fault({{"ssSpecifyCoefficients", true}, {"transmissionStrength", 1}, {"ssScattering", {0, 0, 0}}, {"ssAbsorption", {0, 0, 0}}}), "");
+    EXPECT_EQ(fault({{"ssAttenuationColor", {1, 0.9, 1}}, {"transmissionStrength", 1}}), "");
     EXPECT_EQ(fault({{"diffuseIndirectStrength", 0.5}}), "diffuseIndirectStrength");
     EXPECT_EQ(fault({{"specular1IndirectClamp", 2}}), "specular1IndirectClamp");
     EXPECT_EQ(fault({{"specular2IndirectClamp", 2}}), "") << "specular 2 is off";

@@ -113,13 +113,6 @@ TEST(AlTriplanar, weights_fade_with_softness) {
     EXPECT_EQ(none.x + none.y + none.z, 0);
     EXPECT_EQ(kn::triplanar_weights(Vec3f(NAN, 1, 0), 0.5f).y, 1);
 }
-TEST(AlTriplanar, mip_map_bias_is_refused) {
-    Diagnostics d;
-    const auto m = build_material(nlohmann::json::parse(R"({"nodes": {"t": {"type": "alTriplanar", "params": {"mipMapBias": 2}}}})"), {}, d);
-    ASSERT_FALSE(m);
-    ASSERT_EQ(d.errors.size(), 1u);
-    EXPECT_EQ(d.errors[0].pointer, "/nodes/t/params/mipMapBias");
-}
 TEST(AlImage, frame_replaces_the_first_four_hashes_padded) {
     const auto name_for = [](const char* params) {
         std::string asked;

@@ -78,6 +78,77 @@ TEST_F(ImageFaultsTest, a_material_remembers_its_faults_for_strict_renders) {
     m->program({.outputs = {"tex/1.Color"}}, again);
     EXPECT_TRUE(again.warnings.empty()) << "said once";
 }
+/// Here by another program that writes the file anew: what is read from then on is not what was opened.
+TEST_F(ImageFaultsTest, a_file_in_tiles_that_breaks_while_it_is_read_fails_a_strict_request) {
+    constexpr int side = 256, tile = 64;
+    const std::string file = (folder_ / "tiles.tif").string();
+    const auto write = [&](float grey) {
+        const std::vector<float> pixels(side * side * 3, grey);
+        OIIO::ImageSpec spec(side, side, 3, OIIO::TypeDesc::UINT8);
+        spec.tile_width = spec.tile_height = tile;
+        spec.attribute("compression", grey > 0.6f ? "none" : "zip");   // another size, should the clock not have moved
+        const auto out = OIIO::ImageOutput::create(file);
+        ASSERT_TRUE(out->open(file, spec) && out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+        out->close();
+    };
+    write(0.5f);
+    ImageStore::shared().set_budget(1 << 15);
+    MaterialCache cache;
+    options_.cache = &cache;
+    const auto red_at = [&](double u, Diagnostics& d) {
+        json r = request("tiles.tif");
+        r["graph"]["nodes"]["tex/1"]["params"]["Vector"] = {{"attribute", "at"}};
+        r["points"] = {{"count", 1}, {"attributes", {{"at", {{u, 0.5, 0.0}}}}}};
+        r["outputs"] = {"tex/1.Color"};
+        r["strict"] = true;
+        const json answer = evaluate_request(r, options_, d);
+        return answer.is_null() ? -1 : answer["outputs"]["tex/1.Color"][0][0].get<double>();
+    };
+    Diagnostics before, after;
+    EXPECT_NEAR(red_at(0.1, before), 0.2140, 3e-3);
+    EXPECT_TRUE(before.ok());
+    write(0.7f);
+    const auto fresh = ImageStore::shared().open({file, "", AlphaMode::Straight});
+    EXPECT_EQ(red_at(0.9, after), -1);
+    ImageStore::shared().set_budget(ImageStore::kDefaultBudget);
+    ASSERT_EQ(after.errors.size(), 1u);
+    EXPECT_EQ(after.errors[0].pointer, "/graph/nodes/tex~11/params/image");
+    EXPECT_EQ(after.errors[0].code, "asset-unreadable");
+    EXPECT_NE(after.errors[0].found.find("tiles.tif"), std::string::npos) << after.errors[0].found;
+}
+/// Bands one texel wide: blurred by a bias, more by a larger one; of the footprint's level otherwise.
+TEST_F(ImageFaultsTest, triplanar_bias_takes_coarser_levels) {
+    constexpr int side = 64;
+    std::vector<float> pixels(side * side * 3);
+    for (int i = 0; i < side * side; ++i)
+        for (int c = 0; c < 3; ++c) pixels[3 * i + c] = static_cast<float>(i % side % 2);
+    const std::string file = (folder_ / "bands.exr").string();
+    const auto out = OIIO::ImageOutput::create(file);
+    ASSERT_TRUE(out->open(file, OIIO::ImageSpec(side, side, 3, OIIO::TypeDesc::FLOAT)) && out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    out->close();
+    const auto spread = [&](int bias) {
+        json positions = json::array(), normals = json::array(), dx = json::array(), dy = json::array();
+        constexpr int count = 64;
+        for (int i = 0; i < count; ++i) {
+            positions.push_back({0.013 * i, 0.3, 0.0});
+            normals.push_back({0.0, 0.0, 1.0});
+            dx.push_back({1.0 / side, 0.0, 0.0});   // a texel a pixel
+            dy.push_back({0.0, 1.0 / side, 0.0});
+        }
+        json r = {{"graph", {{"nodes", {{"t", {{"type", "alTriplanar"}, {"params", {{"texture", {{"file", "bands.exr"}}}, {"mipMapBias", bias}}}}}}}}},
+                  {"points", {{"count", count}, {"P", positions}, {"N", normals}, {"Ng", normals}, {"dPdx", dx}, {"dPdy", dy}}}, {"outputs", {"t"}}};
+        Diagnostics d;
+        const json answer = evaluate_request(r, options_, d);
+        EXPECT_TRUE(d.ok()) << (d.ok() ? "" : d.errors[0].line());
+        double lo = 1e9, hi = -1e9;
+        if (!answer.is_null())
+            for (const auto& c : answer["outputs"]["t"]) lo = std::min(lo, c[0].get<double>()), hi = std::max(hi, c[0].get<double>());
+        return hi - lo;
+    };
+    EXPECT_GT(spread(0), 0.9);
+    EXPECT_NEAR(spread(-3), spread(0), 1e-6) << "finer than the image";
+    EXPECT_LT(spread(2), 0.02) << "four texels";
+}
 TEST_F(ImageFaultsTest, names_are_pointed_at_with_the_nearest_one) {
     json r = request("broken.png");
     r["graph"]["nodes"]["tex/1"]["params"]["image"]["colorspace"] = "Linear Rec.7009";

@@ -132,7 +132,7 @@ Scene full_scene() {
     second.name = "second";
     second.fov_x = 1.23f;
     s.other_cameras = {second};
-    s.settings = {640, 360, 123, 4000000000u, 11, 10, 9, 8, 7, 1.5f, 2.5f, true, 1.5f, RenderSettings::Filter::BlackmanHarris, false, false};
+    s.settings = {640, 360, 123, 4000000000u, 11, 10, 9, 8, 6, 7, 1.5f, 2.5f, true, 1.5f, RenderSettings::Filter::BlackmanHarris, false, false};
     return s;
 }
 
@@ -230,8 +230,8 @@ TEST(SceneDocument, everything_a_scene_holds_comes_back_from_a_container) {
     const RenderSettings &x = s.settings, &y = back->settings;
     EXPECT_EQ(std::tie(x.width, x.height, x.samples, x.seed, x.max_bounces, x.diffuse_bounces, x.glossy_bounces, x.transmission_bounces),
               std::tie(y.width, y.height, y.samples, y.seed, y.max_bounces, y.diffuse_bounces, y.glossy_bounces, y.transmission_bounces));
-    EXPECT_EQ(std::tie(x.transparent_bounces, x.clamp_direct, x.clamp_indirect, x.film_transparent, x.filter_width, x.filter, x.caustics_reflective, x.caustics_refractive),
-              std::tie(y.transparent_bounces, y.clamp_direct, y.clamp_indirect, y.film_transparent, y.filter_width, y.filter, y.caustics_reflective, y.caustics_refractive));
+    EXPECT_EQ(std::tie(x.volume_bounces, x.transparent_bounces, x.clamp_direct, x.clamp_indirect, x.film_transparent, x.filter_width, x.filter, x.caustics_reflective, x.caustics_refractive),
+              std::tie(y.volume_bounces, y.transparent_bounces, y.clamp_direct, y.clamp_indirect, y.film_transparent, y.filter_width, y.filter, y.caustics_reflective, y.caustics_refractive));
     // And written again it is the same file.
     const std::string again = scratch("again.alder");
     ASSERT_TRUE(write_scene(again, *back, error)) << error;

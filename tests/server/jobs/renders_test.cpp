@@ -317,6 +317,20 @@ TEST_F(RendersTest, waits_for_changes) {
     EXPECT_EQ(problem_of(post("/v1/renders", {{"scene", s}}, "Prefer: wait=3601\r\n")), "400 malformed-request");
 }
 
+TEST_F(RendersTest, events_tell_what_happens_until_the_end) {
+    start();
+    const std::string id = submit(long_render(scene(), 1024))["id"];
+    test::RawClient c(daemon->port());
+    c.send("GET /v1/renders/" + id + "/events HTTP/1.0\r\nHost: localhost\r\n\r\n");
+    EXPECT_TRUE(c.ended(60)) << "the stream ends with the render";
+    const std::string text = c.received();
+    EXPECT_NE(text.find("text/event-stream"), std::string::npos) << text;
+    EXPECT_NE(text.find("event: state\ndata: {"), std::string::npos) << text;
+    EXPECT_NE(text.find("\"state\":\"succeeded\""), std::string::npos) << text;
+    EXPECT_EQ(text.substr(text.rfind("event: ")), "event: end\ndata: {\"state\":\"succeeded\"}\n\n");
+    EXPECT_EQ(problem_of(ask("GET", "/v1/renders/rnd_01m86ra8mqtfx7sqsppatcke7k/events")), "404 not-found");
+}
+
 TEST_F(RendersTest, limits_are_told_beforehand) {
     options.renders_queued = 2;
     options.worker_memory_mib = 2000;
