@@ -35,9 +35,16 @@ class Daemon:
 
 
 def ask(connection, method, path, body=None, headers=None):
-    connection.request(method, path, json.dumps(body) if body is not None else None, {"Content-Type": "application/json", **(headers or {})})
-    answer = connection.getresponse()
-    data = answer.read()
+    for attempt in (1, 2):
+        try:
+            connection.request(method, path, json.dumps(body) if body is not None else None, {"Content-Type": "application/json", **(headers or {})})
+            answer = connection.getresponse()
+            data = answer.read()
+            break
+        except (BrokenPipeError, ConnectionResetError, http.client.RemoteDisconnected):
+            connection.close()  # idle for longer than the daemon keeps connections
+            if attempt == 2:
+                raise
     if answer.status >= 400:
         sys.exit(f"{method} {path}: {answer.status} {data.decode()}")
     return json.loads(data) if data.startswith(b"{") else data
