@@ -289,6 +289,11 @@ void RenderJob::write_output(ProgressiveRender& r, int frame, bool complete) {
     const RenderStats stats = r.stats();
     if (settings_.strict && stats.nonfinite_samples > 0)
         throw Failed{"nonfinite", fmt::format("{} samples were not finite numbers", stats.nonfinite_samples)};
+    if (settings_.strict) {   // a file may turn out broken in the middle, once its tiles are read
+        Diagnostics d;
+        require_files(*prepared_->scene, d);
+        if (!d.ok()) throw problem_from("scene-invalid", d);
+    }
     Image image = r.image();
     for (auto& [name, value] : image.attributes)
         if (name == "alder/complete") value = complete ? "1" : "0";
