@@ -3,7 +3,6 @@
 
 #include "render/evaluate.h"
 #include "nodes/registry_json.h"
-#include "server/digest.h"
 #include "server/members.h"
 #include "server/negotiate.h"
 #include "server/routes.h"
@@ -11,19 +10,6 @@
 
 namespace alder {
 namespace {
-
-/// An answer that never changes while the process lives, with a tag.
-http::Response constant_json(http::Request& request, const nlohmann::json& value) {
-    http::Response r = json_response(200, value);
-    const std::string etag = "\"" + sha256_hex(r.body).substr(0, 32) + "\"";
-    if (none_match_names(request, etag)) {
-        r = {};
-        r.status = 304;
-    }
-    r.set("ETag", etag);
-    r.set("Cache-Control", "no-cache");
-    return r;
-}
 
 std::vector<std::string> node_names() {
     std::vector<std::string> names;

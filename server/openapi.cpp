@@ -2,9 +2,7 @@
 #include "server/openapi.h"
 
 #include "server/access.h"
-#include "server/digest.h"
 #include "server/errors.h"
-#include "server/negotiate.h"
 #include "server/service.h"
 
 namespace alder {
@@ -88,15 +86,7 @@ http::Response get_openapi(Service&, http::Request& request) {
                     {"components",
                      {{"schemas", {{"Problem", problem_schema()}}}, {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}}};
     }();
-    http::Response r = json_response(200, document);
-    const std::string etag = "\"" + sha256_hex(r.body).substr(0, 32) + "\"";
-    if (none_match_names(request, etag)) {
-        r = {};
-        r.status = 304;
-    }
-    r.set("ETag", etag);
-    r.set("Cache-Control", "no-cache");
-    return r;
+    return constant_json(request, document);
 }
 
 }  // namespace alder

@@ -11,8 +11,10 @@
 
 #include "graph/json_text.h"
 #include "nodes/texture/image_store.h"
+#include "server/digest.h"
 #include "server/http/head.h"
 #include "server/log.h"
+#include "server/negotiate.h"
 #include "server/routes.h"
 
 namespace alder {
@@ -41,6 +43,18 @@ Problem json_problem(const Diagnostic& d) {
 
 http::Response json_response(int status, const nlohmann::json& value) {
     return http::Response::text(status, value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n", "application/json");
+}
+
+http::Response constant_json(http::Request& request, const nlohmann::json& value) {
+    http::Response r = json_response(200, value);
+    const std::string etag = "\"" + sha256_hex(r.body).substr(0, 32) + "\"";
+    if (none_match_names(request, etag)) {
+        r = {};
+        r.status = 304;
+    }
+    r.set("ETag", etag);
+    r.set("Cache-Control", "no-cache");
+    return r;
 }
 
 Service::Service(const ServiceOptions& o)

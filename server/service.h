@@ -58,5 +58,7 @@ class Service {
 
 /// A JSON answer, one line.
 http::Response json_response(int status, const nlohmann::json& value);
+/// An answer that never changes while the process lives, with a tag.
+http::Response constant_json(http::Request& request, const nlohmann::json& value);
 
 }  // namespace alder
