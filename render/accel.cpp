@@ -3,12 +3,14 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <unordered_map>
 
 #include "render/accel_device.h"
 #include "render/geometry/curves.h"
@@ -287,7 +289,7 @@ Hit Accel::Impl::hit_of(const RTCRayHit& r, uint32_t instance, const Ray& ray) c
     return hit;
 }
 
-Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::vector<Instance>& instances)
+Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::vector<Instance>& instances, const Accel* previous)
     : impl_(std::make_unique<Impl>()) {
     const auto start = std::chrono::steady_clock::now();
     impl_->meshes.resize(meshes.size(), nullptr);
@@ -295,11 +297,24 @@ Accel::Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::
     impl_->segments.resize(meshes.size());
     std::vector<bool> used(meshes.size(), false);
     for (const Instance& i : instances) used[i.mesh] = true;
+    std::unordered_map<const Mesh*, size_t> known;
+    if (previous)
+        for (size_t i = 0; i < previous->impl_->shapes.size(); ++i)
+            if (previous->impl_->meshes[i]) known.emplace(previous->impl_->shapes[i].get(), i);
+    std::atomic<size_t> built{0};
     tbb::parallel_for(size_t{0}, meshes.size(), [&](size_t i) {
         if (!used[i] || meshes[i]->primitive_count() == 0) return;
+        if (const auto it = known.find(meshes[i].get()); it != known.end()) {
+            impl_->meshes[i] = previous->impl_->meshes[it->second];
+            rtcRetainScene(impl_->meshes[i]);
+            impl_->segments[i] = previous->impl_->segments[it->second];
+            return;
+        }
         impl_->meshes[i] = build_mesh(*meshes[i]);
         if (meshes[i]->shape == Shape::Curves) impl_->segments[i] = curve_segments(*meshes[i]);
+        ++built;
     });
+    meshes_built_ = built;
 
     impl_->top = rtcNewScene(embree_device());
     set_flags(impl_->top);

@@ -42,7 +42,8 @@ enum class Occlusion : uint8_t {
 
 class Accel {
   public:
-    Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::vector<Instance>& instances);
+    /// `previous`: what it built of meshes that are here too is shared; only what lies above them is built again.
+    Accel(const std::vector<std::shared_ptr<const Mesh>>& meshes, const std::vector<Instance>& instances, const Accel* previous = nullptr);
     ~Accel();
     Accel(const Accel&) = delete;
     Accel& operator=(const Accel&) = delete;
@@ -55,6 +56,7 @@ class Accel {
     Occlusion occluded(const Ray& ray, const ShadowFilter* filter) const;
 
     double build_seconds() const { return build_seconds_; }
+    size_t meshes_built() const { return meshes_built_; }
     Vec3f bounds_min() const { return bounds_min_; }
     Vec3f bounds_max() const { return bounds_max_; }
 
@@ -62,6 +64,7 @@ class Accel {
     struct Impl;
     std::unique_ptr<Impl> impl_;
     double build_seconds_ = 0;
+    size_t meshes_built_ = 0;
     Vec3f bounds_min_{0, 0, 0}, bounds_max_{0, 0, 0};
 };
 

@@ -119,24 +119,49 @@ void WorkerPool::give_back(std::unique_ptr<Worker> worker) {
     idle_.push_back(std::move(worker));
 }
 
-std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> scene, const EvalContext& context, Diagnostics& d) {
+namespace {
+
+bool reads_camera(const Program& program) {
+    return std::any_of(program.inputs().begin(), program.inputs().end(), [](const ProgramInput& in) {
+        return !in.is_attribute && (in.global == Global::Window || (in.global >= Global::WorldToCameraX && in.global <= Global::WorldToCameraT));
+    });
+}
+bool reads_camera(const std::shared_ptr<const SceneProgram>& p) { return p && reads_camera(*p->program); }
+
+bool same_material(const SceneMaterial& a, const SceneMaterial& b) {
+    return a.name == b.name && a.graph == b.graph && a.pass_index == b.pass_index && a.displacement == b.displacement;
+}
+
+/// Whether lights come out the same for another camera.
+bool lights_follow_camera(const PreparedScene& p) {
+    return reads_camera(p.world->program) || std::any_of(p.light_programs.begin(), p.light_programs.end(), [](const auto& l) { return reads_camera(l); }) ||
+           std::any_of(p.materials.begin(), p.materials.end(), [](const auto& m) { return reads_camera(m->emission); });
+}
+
+/// `base`: null, or the scene before an edit that left the parts in `same` alone.
+std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const EvalContext& context, const PreparedScene* base, const SameParts& same, Diagnostics& d) {
     check(*scene, d);
     if (!d.ok()) return nullptr;
     auto p = std::make_shared<PreparedScene>();
     p->scene = scene;
-    p->workers = std::make_shared<WorkerPool>(context);
+    p->workers = base ? base->workers : std::make_shared<WorkerPool>(context);
     const auto build_start = std::chrono::steady_clock::now();
     auto meshes = scene->meshes;
     auto instances = scene->instances;
     displace(*scene, context, meshes, instances, d);
     if (!d.ok()) return nullptr;
-    p->surfaces = std::make_shared<Surfaces>(std::move(meshes), std::move(instances));
+    p->surfaces = base && same.instances && base->surfaces->are_made_of(meshes) ? base->surfaces
+                                                                                : std::make_shared<Surfaces>(std::move(meshes), std::move(instances), base ? base->surfaces.get() : nullptr);
     p->build_seconds = seconds_since(build_start);
+    // Programs have the meshes' attributes by place: with the same meshes at the same places they go on.
+    const bool same_meshes = base && base->surfaces->meshes() == p->surfaces->meshes();
 
     const auto compile_start = std::chrono::steady_clock::now();
     for (const SceneMaterial& m : scene->materials) {
         warn_about_displacement(m, d);
-        p->materials.push_back(compile_material(m, *p->surfaces, scene->settings, d));
+        const size_t i = p->materials.size();
+        if (same_meshes && same.settings && i < base->materials.size() && same_material(base->materials[i]->material, m)) p->materials.push_back(base->materials[i]);
+        else p->materials.push_back(compile_material(m, *p->surfaces, scene->settings, d));
     }
     p->lamps = scene->lights;
     for (size_t i = 0; i < scene->lights.size(); ++i) {
@@ -155,12 +180,27 @@ std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> 
 
     const auto light_start = std::chrono::steady_clock::now();
     const CameraModel camera(scene->camera, scene->settings.width, scene->settings.height);
-    p->world = build_world(scene->world, *p->surfaces, camera, context, d);
+    const bool same_world = same_meshes && same.world && (same.camera || !reads_camera(base->world->program));
+    p->world = same_world ? base->world : build_world(scene->world, *p->surfaces, camera, context, d);
     if (!d.ok()) return nullptr;
     finish(*p);
-    build_lights(*p);
+    if (same_world && same.lights && p->surfaces == base->surfaces && p->materials == base->materials && (same.camera || !lights_follow_camera(*base))) {
+        p->light_programs = base->light_programs;   // the table points at them
+        p->lights = base->lights;
+    } else {
+        build_lights(*p);
+    }
     p->build_seconds += seconds_since(light_start);
     return p;
+}
+
+}  // namespace
+
+std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> scene, const EvalContext& context, Diagnostics& d) {
+    return prepare(std::move(scene), context, nullptr, {}, d);
+}
+std::shared_ptr<const PreparedScene> prepare_edited(const PreparedScene& base, const SameParts& same, std::shared_ptr<const Scene> scene, Diagnostics& d) {
+    return prepare(std::move(scene), base.workers->context(), &base, same, d);
 }
 
 std::shared_ptr<const PreparedScene> with_material(const std::shared_ptr<const PreparedScene>& base, size_t material,

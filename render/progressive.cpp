@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "render/render_plan.h"
+#include "render/tile_gate.h"
 #include "render/worker.h"
 
 namespace alder {
@@ -114,6 +115,7 @@ bool ProgressiveRender::run_pass(const Pass& pass, const std::function<void(doub
     tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers;
     tbb::parallel_for(tbb::blocked_range<size_t>(0, list.size(), 1), [&](const tbb::blocked_range<size_t>& r) {
         for (size_t i = r.begin(); i < r.end(); ++i) {
+            pass_tile_gate();
             check_time();
             if (plan_->stopped()) return;
             std::unique_ptr<Worker>& w = workers.local();

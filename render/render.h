@@ -55,6 +55,12 @@ struct RenderStats {
 
 class PreparedScene;   ///< BVH, lights, compiled programs of one scene revision; thread safe for concurrent renders
 std::shared_ptr<const PreparedScene> prepare_scene(std::shared_ptr<const Scene> scene, const EvalContext& context, Diagnostics& d);
+/// Parts of a scene that an edit has left as they were. What is left is taken over from the scene before.
+struct SameParts {
+    bool instances = false, lights = false, world = false, camera = false, settings = false;
+};
+/// An edited scene: shares meshes with their BVHs, programs, lights and world with `base` wherever the edit allows it.
+std::shared_ptr<const PreparedScene> prepare_edited(const PreparedScene& base, const SameParts& same, std::shared_ptr<const Scene> scene, Diagnostics& d);
 /// The same geometry with other materials (by index): shares BVH and meshes; rebuilds lights only where emission changed.
 std::shared_ptr<const PreparedScene> with_material(const std::shared_ptr<const PreparedScene>& base, size_t material,
                                                    std::shared_ptr<const Material> graph, Diagnostics& d);

@@ -172,6 +172,85 @@ std::shared_ptr<const Mesh> make_plate() {
     return finish(std::move(m));
 }
 
+std::shared_ptr<const Mesh> make_block() {
+    Mesh m;
+    m.name = "block";
+    constexpr float h = 0.75f;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {-1.f, 1.f}) {
+            const uint32_t first = uint32_t(m.positions.size());
+            for (const auto& [a, b] : {std::array{-1.f, -1.f}, {1.f, -1.f}, {1.f, 1.f}, {-1.f, 1.f}}) {
+                Vec3f p;
+                p[axis] = side * h;
+                p[(axis + 1) % 3] = a * side * h;   // turned round on the other side: faces look outwards
+                p[(axis + 2) % 3] = b * h;
+                m.positions.push_back(p);
+            }
+            m.triangles.push_back({first, first + 1, first + 2});
+            m.triangles.push_back({first, first + 2, first + 3});
+            for (const auto& uv : {std::array{0.f, 0.f}, {1.f, 0.f}, {1.f, 1.f}, {0.f, 0.f}, {1.f, 1.f}, {0.f, 1.f}}) m.uv.push_back(uv);
+        }
+    m.smooth.assign(m.triangles.size(), 0);
+    return finish(std::move(m));
+}
+
+std::shared_ptr<const Mesh> make_drape() {
+    constexpr int kLines = 161;
+    constexpr float kHalf = 1.3f, kRadius = 0.72f, kEdge = 78 * kDegree, kFolds = 9;
+    Mesh m;
+    m.name = "drape";
+    Grid grid{{}, {}, false};
+    for (int i = 0; i < kLines; ++i) {
+        grid.u.push_back(float(i) / (kLines - 1));
+        grid.v.push_back(float(i) / (kLines - 1));
+    }
+    for (const float v : grid.v)
+        for (const float u : grid.u) {
+            const float x = (2 * u - 1) * kHalf, y = (2 * v - 1) * kHalf, s = std::hypot(x, y), turn = std::atan2(y, x);
+            const float on_ball = std::min(s, kEdge * kRadius), angle = on_ball / kRadius, hangs = s - on_ball;
+            // Below the ball the sheet has more cloth than way round: it goes into folds that grow downwards.
+            const float fold = 0.16f * smooth_step(hangs / 0.7f) * std::cos(kFolds * turn + 0.6f * std::sin(2 * turn + 1));
+            const float r = kRadius * std::sin(angle) + hangs * (0.13f + 0.03f * std::sin(3 * turn)) + fold;
+            const float z = kRadius * std::cos(angle) - 0.95f * hangs;
+            m.positions.push_back({r * std::cos(turn), r * std::sin(turn), z});
+        }
+    grid.emit(m);
+    return finish(std::move(m));
+}
+
+std::shared_ptr<const Mesh> make_hair_swatch() {
+    constexpr int kThreads = 5000, kPoints = 18;
+    constexpr float kBar = 0.42f, kHalfWidth = 0.85f, kThick = 0.05f;
+    Mesh m;
+    m.name = "swatch";
+    m.shape = Shape::Curves;
+    uint32_t state = 1;
+    const auto random = [&state] {   // numerical recipes' generator: the same threads everywhere
+        state = state * 1664525u + 1013904223u;
+        return float(state >> 8) * 0x1p-24f;
+    };
+    for (int i = 0; i < kThreads; ++i) {
+        m.curve_first.push_back(uint32_t(m.positions.size()));
+        const float root = (2 * random() - 1) * kHalfWidth, lift = kThick * random(), front = 1.15f + 0.25f * random(), back = 0.25f + 0.2f * random();
+        const float wave = 0.012f + 0.02f * random(), phase = 2 * kPi * random(), drift = 0.10f * (random() - 0.5f), width = 0.0035f + 0.0015f * random();
+        const float r = kBar + lift, half_turn = kPi * r, whole = back + half_turn + front;
+        for (int k = 0; k < kPoints; ++k) {
+            const float t = float(k) / (kPoints - 1), s = t * whole - back;   // along the thread: up behind, over the bar, down in front
+            Vec3f p;
+            if (s < 0) p = {0, r, s};
+            else if (s < half_turn) p = {0, r * std::cos(s / r), r * std::sin(s / r)};
+            else p = {0, -r, -(s - half_turn)};
+            const float down = std::max(0.f, s - half_turn);
+            p.x = root + drift * t + wave * std::sin(7 * s + phase);
+            p.y -= 0.5f * wave * std::cos(5 * s + phase) + 0.06f * down * down * lift / kThick;
+            m.positions.push_back(p);
+            m.radii.push_back(width * (t > 0.9f ? 1 - 6 * (t - 0.9f) : 1));
+        }
+    }
+    m.curve_first.push_back(uint32_t(m.positions.size()));
+    return finish(std::move(m));
+}
+
 std::shared_ptr<const Mesh> make_turned(const char* name, std::span<const OutlinePoint> outline, int segments) {
     // Each rounded corner becomes an arc of a quadratic Bezier curve between points on its two sides.
     constexpr int kArc = 8;

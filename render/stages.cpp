@@ -1,4 +1,4 @@
-// Preview stages: a shader ball, a sphere or a plate in a small photo studio.
+// Preview stages: a shader ball, a sphere, a plate, a cloth, a swatch of hair or a block of something in a small photo studio.
 // Studio: grey floor with a faint checker that runs up into the back wall; key softbox from the upper left, broad weak fill
 // from the right, a narrow strip behind for the rim, and a soft gradient all round so that polished materials have
 // something to reflect. Seen with a 70 mm lens, slightly from above.
@@ -34,6 +34,10 @@ constexpr const char* kStandGraph = R"({"version": 1, "nodes": {
 constexpr const char* kDefaultGraph = R"({"version": 1, "nodes": {
   "bsdf": {"type": "ShaderNodeBsdfPrincipled", "params": {"Base Color": [0.5, 0.5, 0.5], "Roughness": 0.35}}},
   "outputs": {"surface": {"node": "bsdf"}}})";
+constexpr const char* kDefaultHairGraph = R"({"version": 1, "nodes": {"hair": {"type": "ShaderNodeBsdfHairPrincipled"}}, "outputs": {"surface": {"node": "hair"}}})";
+constexpr const char* kDefaultVolumeGraph = R"({"version": 1, "nodes": {
+  "volume": {"type": "ShaderNodeVolumePrincipled", "params": {"Density": 2.0, "Color": [0.8, 0.8, 0.8]}}},
+  "outputs": {"volume": {"node": "volume"}}})";
 // Darker below, brightest above the horizon: by the direction's height.
 constexpr const char* kWorldGraph = R"({"version": 1, "nodes": {
   "direction": {"type": "ShaderNodeTexCoord"},
@@ -161,6 +165,36 @@ Scene plane_stage() {
     return s;
 }
 
+Scene cloth_stage() {
+    Scene s = make_studio();
+    s.name = "cloth";
+    add(s, "drape", make_drape(), placed(0, 0, 1.12f), kSubject);
+    aim_camera(s, {0, 0, 0.98f}, 5.9f, 20);
+    return s;
+}
+
+Scene hair_stage() {
+    Scene s = make_studio();
+    s.name = "hair";
+    constexpr OutlinePoint kBarOutline[] = {{0, -1.0f, 0}, {0.41f, -1.0f, 0.02f}, {0.41f, 1.0f, 0.02f}, {0, 1.0f, 0}};
+    const Transform lying{{0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 1.5f}};   // the outline's axis along X
+    add(s, "bar", make_turned("bar", kBarOutline, 64), lying, kStand);
+    add(s, "hair", make_hair_swatch(), placed(0, 0, 1.5f), kSubject);
+    aim_camera(s, {0, 0, 1.1f}, 5.6f, 13);
+    return s;
+}
+
+Scene volume_stage() {
+    Scene s = make_studio();
+    s.name = "volume";
+    constexpr float kTurn = 0.6f;   // about Z: two faces are seen
+    const float c = std::cos(kTurn), n = std::sin(kTurn);
+    add(s, "block", make_block(), {{c, -n, 0, 0, n, c, 0, 0, 0, 0, 1, 0.95f}}, kSubject);
+    s.settings.volume_bounces = 4;
+    aim_camera(s, {0, 0, 0.95f}, 5.6f, 16);
+    return s;
+}
+
 /// Built when first asked for, then kept: geometry is shared by every preview of the process.
 const Scene* base_stage(std::string_view name) {
     if (name == "shaderball") {
@@ -175,37 +209,46 @@ const Scene* base_stage(std::string_view name) {
         static const Scene scene = plane_stage();
         return &scene;
     }
+    if (name == "cloth") {
+        static const Scene scene = cloth_stage();
+        return &scene;
+    }
+    if (name == "hair") {
+        static const Scene scene = hair_stage();
+        return &scene;
+    }
+    if (name == "volume") {
+        static const Scene scene = volume_stage();
+        return &scene;
+    }
     return nullptr;
 }
 
-constexpr std::string_view kPlanned[] = {"cloth", "hair", "volume"};
+/// What a stage's subject wears where nothing is given.
+const char* default_graph(std::string_view stage) {
+    if (stage == "hair") return kDefaultHairGraph;
+    return stage == "volume" ? kDefaultVolumeGraph : kDefaultGraph;
+}
 
 }  // namespace
 
-std::vector<std::string_view> stage_names() { return {"shaderball", "sphere", "plane"}; }
+std::vector<std::string_view> stage_names() { return {"shaderball", "sphere", "plane", "cloth", "hair", "volume"}; }
 
 std::shared_ptr<const Scene> make_stage(std::string_view name, std::shared_ptr<const Material> material, int size, Diagnostics& d) {
     const Scene* base = nullptr;
     try {
         base = base_stage(name);
-        if (base && !material) {
-            static const std::shared_ptr<const Material> grey = built_in(kDefaultGraph);
-            material = grey;
-        }
+        if (base && !material) material = built_in(default_graph(name));
     } catch (const std::logic_error& e) {   // a build without one of the nodes that stages are made of
         d.errors.push_back({"/stage", "unsupported", std::string(name), e.what(), ""});
         return nullptr;
     }
     if (!base) {
-        const bool planned = std::find(std::begin(kPlanned), std::end(kPlanned), name) != std::end(kPlanned);
-        Diagnostic fault{"/stage", planned ? "unsupported" : "unknown-stage", std::string(name), "shaderball, sphere or plane", ""};
-        if (planned) {
-            fault.expected = "shaderball, sphere or plane: this stage is not available yet";
-        } else {
-            const std::string known[] = {"shaderball", "sphere", "plane"};
-            fault.suggest = nearest_name(name, known);
-        }
-        d.errors.push_back(std::move(fault));
+        const auto names = stage_names();
+        const std::vector<std::string> known(names.begin(), names.end());
+        std::string list;
+        for (const std::string& n : known) list += (list.empty() ? "one of " : ", ") + n;
+        d.errors.push_back({"/stage", "unknown-stage", std::string(name), list, nearest_name(name, known)});
         return nullptr;
     }
     auto scene = std::make_shared<Scene>(*base);

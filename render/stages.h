@@ -10,9 +10,9 @@
 
 namespace alder {
 
-/// "shaderball", "sphere" or "plane". `material` becomes material 0, which the subject wears; null = a grey Principled one.
-/// Meshes, floor and light graphs are made once in a process and shared by all stages. Light groups: key 1, fill 2, rim 3.
-/// "cloth", "hair" and "volume" are not available yet: an error that says so, and null. Pointer: "/stage".
+/// "shaderball", "sphere", "plane", "cloth", "hair" (curves) or "volume" (a block for what fills it). `material` becomes material 0,
+/// which the subject wears; null = one that suits the stage. Meshes, floor and light graphs are made once in a process and shared.
+/// Light groups: key 1, fill 2, rim 3. An unknown name is an error at "/stage", and null.
 std::shared_ptr<const Scene> make_stage(std::string_view name, std::shared_ptr<const Material> material, int size, Diagnostics& d);
 /// The same; null without the reasons.
 std::shared_ptr<const Scene> make_stage(std::string_view name, std::shared_ptr<const Material> material, int size);

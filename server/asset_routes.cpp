@@ -6,6 +6,7 @@
 #include "server/digest.h"
 #include "server/members.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
 #include "server/routes.h"
 #include "server/service.h"
 
@@ -118,14 +119,25 @@ http::Response delete_asset(Service& s, http::Request& request) {
     return r;
 }
 
+namespace {
+void read_missing(Members& m, std::vector<std::string>& digests) {
+    const auto* value = m.require("digests", "an array of digests", {{"type", "array"}, {"items", {{"type", "string"}, {"pattern", "^sha256:[0-9a-f]{64}$"}}}, {"maxItems", kMissingMost}});
+    if (value) m.texts("digests", digests, kMissingMost);
+    m.finish(false);
+}
+}  // namespace
+void describe_missing(Members& m) {
+    std::vector<std::string> digests;
+    read_missing(m, digests);
+}
+
 http::Response post_assets_missing(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
     const nlohmann::json body = s.read_json(request);
     Diagnostics d;
     Members m(body, "", d);
     std::vector<std::string> digests;
-    if (m.require("digests", "an array of digests")) m.texts("digests", digests, kMissingMost);
-    m.finish(false);
+    read_missing(m, digests);
     nlohmann::json missing = nlohmann::json::array();
     for (size_t i = 0; i < digests.size() && d.errors.size() < kMaxDiagnostics; ++i) {
         const std::string hex = digest_hex(digests[i]);

@@ -5,6 +5,8 @@
 #include "nodes/registry_json.h"
 #include "server/members.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
+#include "server/query.h"
 #include "server/routes.h"
 #include "server/service.h"
 
@@ -24,14 +26,15 @@ bool is_lenient(const nlohmann::json& body) {
 
 }  // namespace
 
+namespace {
+bool read_view_query(Query& q) { return q.choice("view", "full", {"summary", "full"}) == "summary"; }
+}  // namespace
+void describe_nodes_query(Query& q) { read_view_query(q); }
+
 http::Response get_nodes(Service&, http::Request& request) {
-    bool summary = false;
-    for (const auto& [name, value] : request.query) {
-        if (name == "view" && (value == "summary" || value == "full"))
-            summary = value == "summary";
-        else
-            throw Problem{"malformed-request", fmt::format("the query member '{}={}' is not known; view=summary or view=full", name, value)};
-    }
+    Query q(request);
+    const bool summary = read_view_query(q);
+    q.finish();
     static const nlohmann::json full = nodes_json();
     static const nlohmann::json brief = nodes_summary_json();
     return constant_json(request, summary ? brief : full);
@@ -75,24 +78,37 @@ http::Response post_evaluate(Service& s, http::Request& request) {
     return response;
 }
 
+namespace {
+struct ValidateRequest {
+    const nlohmann::json* graph = nullptr;
+    bool lenient = false, strict = false;
+};
+void read_validate(Members& m, ValidateRequest& v) {
+    v.graph = m.require("graph", "a graph document");   // whatever it is, the answer says what is wrong with it
+    m.boolean("lenient", v.lenient);
+    m.boolean("strict", v.strict);
+    m.finish(v.lenient);
+}
+}  // namespace
+void describe_validate(Members& m) {
+    ValidateRequest v;
+    read_validate(m, v);
+}
+
 http::Response post_validate(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
     const nlohmann::json body = s.read_json(request);
     Diagnostics faults;
     Members m(body, "", faults);
-    const nlohmann::json* graph = m.require("graph", "a graph document");
-    bool lenient = false;
-    m.boolean("lenient", lenient);
-    bool strict = false;
-    m.boolean("strict", strict);
-    m.finish(lenient);
+    ValidateRequest v;
+    read_validate(m, v);
     if (!faults.ok()) throw problem_from("request-invalid", faults);
     http::Response response;
     s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
         Diagnostics d = faults;   // of the request itself: warnings only, here
         std::shared_ptr<const Material> material;
         try {
-            material = s.engine.material(*graph, "/graph", lenient, d, strict);
+            material = s.engine.material(*v.graph, "/graph", v.lenient, d, v.strict);
         } catch (const Problem& p) {
             if (p.type != "graph-invalid") throw;   // what is wrong with the graph is the answer, not a refusal
             d = p.faults;

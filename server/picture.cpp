@@ -10,9 +10,7 @@
 
 namespace alder {
 
-View read_view(const nlohmann::json& value, const std::string& pointer, Diagnostics& d) {
-    View view;
-    Members m(value, pointer, d);
+void read_view(Members& m, View& view) {
     double exposure = 0;
     if (m.number("exposure", exposure, -64, 64)) view.exposure = static_cast<float>(exposure);
     std::string transform;
@@ -22,7 +20,6 @@ View read_view(const nlohmann::json& value, const std::string& pointer, Diagnost
     int64_t quality = 0;
     if (m.integer("quality", quality, 1, 100)) view.quality = static_cast<int>(quality);
     m.finish(false);
-    return view;
 }
 
 std::string Timings::header() const {

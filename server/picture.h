@@ -16,7 +16,7 @@ namespace alder {
 inline const std::vector<std::string> kPictureTypes{"image/png", "image/jpeg", "image/x-exr", "application/json"};
 
 /// {"exposure": 0, "transform": "srgb", "layer": "", "quality": 90}
-View read_view(const nlohmann::json& value, const std::string& pointer, Diagnostics& d);
+void read_view(Members& m, View& view);
 
 /// Wall seconds of the parts of one request, for Server-Timing and JSON.
 struct Timings {

@@ -8,6 +8,7 @@
 #include "server/build_id.h"
 #include "server/digest.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
 #include "server/picture.h"
 #include "server/routes.h"
 #include "server/service.h"
@@ -34,12 +35,14 @@ struct PreviewRequest {
 
 bool is_scene(const std::string& stage) { return stage.rfind("scn_", 0) == 0; }
 
-void read_size(Members& m, RenderRequest& render, Diagnostics& d) {
-    const nlohmann::json* size = m.find("size");
+void read_size(Members& m, RenderRequest& render) {
+    const nlohmann::json one = {{"type", "integer"}, {"minimum", 1}, {"maximum", kSideMost}};
+    const nlohmann::json* size = m.find("size", {{"anyOf", {one, {{"type", "array"}, {"items", one}, {"minItems", 2}, {"maxItems", 2}}}}});
     render.width = render.height = kDefaultSide;
     if (!size) return;
     const auto side = [](const nlohmann::json& v) {
-        return v.is_number_integer() && v.get<int64_t>() >= 1 && v.get<int64_t>() <= kSideMost ? v.get<int>() : 0;
+        int64_t n = 0;
+        return whole_number(v, 1, kSideMost, n) ? static_cast<int>(n) : 0;
     };
     if (size->is_array() && size->size() == 2) {
         render.width = side((*size)[0]);
@@ -48,13 +51,10 @@ void read_size(Members& m, RenderRequest& render, Diagnostics& d) {
         render.width = render.height = side(*size);
     }
     if (render.width == 0 || render.height == 0) m.fault("size", "out-of-range", brief(*size), fmt::format("a whole number from 1 to {}, or two of them", kSideMost));
-    (void)d;
 }
 
-PreviewRequest read_preview(const nlohmann::json& body, Diagnostics& d) {
-    PreviewRequest p;
-    Members m(body, "", d);
-    if (const auto* graph = m.require("graph", "a graph document")) p.graph = *graph;
+void read_preview(Members& m, PreviewRequest& p) {
+    if (const auto* graph = m.require("graph", "a graph document", schema_ref("Graph"))) p.graph = *graph;
     m.boolean("lenient", p.lenient);
     m.boolean("strict", p.strict);
     if (m.text("stage", p.stage) && !is_scene(p.stage)) {
@@ -64,10 +64,10 @@ PreviewRequest read_preview(const nlohmann::json& body, Diagnostics& d) {
             m.fault("stage", "unknown-value", "\"" + p.stage + "\"", fmt::format("one of {}, or a scene's id", fmt::join(names, ", ")), nearest_name(p.stage, names));
     }
     m.text("assign_to", p.assign_to);
-    if (is_scene(p.stage) != !p.assign_to.empty())
+    if (!m.describes() && is_scene(p.stage) != !p.assign_to.empty())
         m.fault("assign_to", is_scene(p.stage) ? "missing-member" : "unexpected", p.assign_to.empty() ? "nothing" : "\"" + p.assign_to + "\"",
                 is_scene(p.stage) ? "the scene's material that the graph replaces" : "no assign_to: the stage is not a scene");
-    read_size(m, p.render, d);
+    read_size(m, p.render);
     int64_t samples = kDefaultSamples, seed = 0;
     const bool has_samples = m.integer("samples", samples, 1, 1 << 20);
     p.with_budget = m.number("budget", p.render.seconds, 0.001, 600);
@@ -75,9 +75,8 @@ PreviewRequest read_preview(const nlohmann::json& body, Diagnostics& d) {
     p.render.samples = p.with_budget ? 1 << 20 : static_cast<int>(samples);
     if (m.integer("seed", seed, 0, UINT32_MAX)) p.render.seed = static_cast<uint32_t>(seed);
     m.texts("aovs", p.render.aovs, 1024);
-    if (const auto* view = m.find("view")) p.view = read_view(*view, "/view", d);
+    m.object("view", [&](Members& v) { read_view(v, p.view); });
     m.finish(p.lenient);
-    return p;
 }
 
 /// A digest of everything that decides the pixels and their encoding.
@@ -92,12 +91,19 @@ std::string preview_etag(const PreviewRequest& p, const std::string& scene_state
 
 }  // namespace
 
+void describe_preview(Members& m) {
+    PreviewRequest p;
+    read_preview(m, p);
+}
+
 http::Response post_preview(Service& s, http::Request& request) {
     const auto start = Clock::now();
     const std::string type = best_type(request, kPictureTypes);
     const nlohmann::json body = s.read_json(request);
     Diagnostics d;
-    PreviewRequest p = read_preview(body, d);
+    PreviewRequest p;
+    Members m(body, "", d);
+    read_preview(m, p);
     if (!d.ok()) throw problem_from("settings-invalid", d);
     p.render.threads = s.engine.threads();
     Timings timings;

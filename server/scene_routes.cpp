@@ -4,6 +4,8 @@
 #include "server/digest.h"
 #include "server/members.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
+#include "server/query.h"
 #include "server/routes.h"
 #include "server/service.h"
 
@@ -36,15 +38,34 @@ nlohmann::json scene_json(const SceneRevision& scene, const LoadedScene& loaded)
     return j;
 }
 
+bool read_lenient(Query& q) { return q.choice("lenient", "false", {"true", "false"}) == "true"; }
 bool query_lenient(const http::Request& request) {
-    for (const auto& [name, value] : request.query) {
-        if (name == "lenient" && (value == "true" || value == "false")) return value == "true";
-        throw Problem{"malformed-request", fmt::format("the query member '{}={}' is not known; lenient=true or lenient=false", name, value)};
-    }
-    return false;
+    Query q(request);
+    const bool lenient = read_lenient(q);
+    q.finish();
+    return lenient;
+}
+
+struct Container {
+    std::string digest;
+    bool lenient = false;
+};
+void read_container(Members& m, Container& c) {
+    constexpr const char* kDigest = "sha256: and 64 lower-case hexadecimal digits";
+    const auto* value = m.require("container", kDigest, {{"type", "string"}, {"pattern", "^sha256:[0-9a-f]{64}$"}});
+    if (value && value->is_string() && !digest_hex(*value).empty()) c.digest = *value;
+    else if (value) m.fault("container", "wrong-type", brief(*value), kDigest);
+    m.boolean("lenient", c.lenient);
+    m.finish(c.lenient);
 }
 
 }  // namespace
+
+void describe_container(Members& m) {
+    Container c;
+    read_container(m, c);
+}
+void describe_lenient_query(Query& q) { read_lenient(q); }
 
 http::Response post_scenes(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
@@ -54,13 +75,10 @@ http::Response post_scenes(Service& s, http::Request& request) {
     nlohmann::json source;
     if (body.is_object() && body.contains("container")) {
         Members m(body, "", d);
-        std::string container;
-        m.text("container", container);
-        m.boolean("lenient", lenient);
-        m.finish(lenient);
-        if (d.ok() && digest_hex(container).empty())
-            m.fault("container", "wrong-type", brief(container), "sha256: and 64 lower-case hexadecimal digits");
-        source = {{"container", container}};
+        Container c{{}, lenient};
+        read_container(m, c);
+        lenient = c.lenient;
+        source = {{"container", c.digest}};
     } else {
         Members m(body, "", d);   // faults of what is not an object
         source = {{"document", std::move(body)}};

@@ -16,6 +16,7 @@
 #include "server/jobs/files.h"
 #include "server/members.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
 #include "server/routes.h"
 #include "server/service.h"
 
@@ -87,19 +88,35 @@ void forget(const UploadFile& u) {
 
 }  // namespace
 
+namespace {
+struct Announced {
+    std::string digest;
+    int64_t size = 0;
+};
+void read_announced(Members& m, Announced& a, int64_t bytes_most) {
+    constexpr const char* kDigest = "sha256: and 64 lower-case hexadecimal digits";
+    const auto* digest = m.require("digest", kDigest, {{"type", "string"}, {"pattern", "^sha256:[0-9a-f]{64}$"}});
+    if (digest && digest->is_string()) a.digest = *digest;
+    if (digest && digest_hex(a.digest).empty()) m.fault("digest", "wrong-type", brief(*digest), kDigest);
+    const auto* size = m.require("size", "its bytes", {{"type", "integer"}, {"minimum", 0}, {"maximum", bytes_most}});
+    if (size && !whole_number(*size, 0, bytes_most, a.size)) m.fault("size", "out-of-range", brief(*size), fmt::format("a whole number from 0 to {}", bytes_most));
+    m.finish(false);
+}
+}  // namespace
+void describe_upload(Members& m) {
+    Announced a;
+    read_announced(m, a, int64_t{4} << 30);
+}
+
 http::Response post_uploads(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
     const nlohmann::json body = s.read_json(request);
     Diagnostics d;
     Members m(body, "", d);
-    std::string digest;
-    int64_t size = 0;
-    if (m.require("digest", "sha256: and 64 lower-case hexadecimal digits") && m.text("digest", digest) && digest_hex(digest).empty())
-        m.fault("digest", "wrong-type", brief(digest), "sha256: and 64 lower-case hexadecimal digits");
-    if (m.require("size", "its bytes")) m.integer("size", size, 0, s.options.asset_gib << 30);
-    m.finish(false);
+    Announced a;
+    read_announced(m, a, s.options.asset_gib << 30);
     if (!d.ok()) throw problem_from("request-invalid", d);
-    UploadFile u{"upl_" + http::time_sorted_id(), digest_hex(digest), {}, {}, static_cast<uint64_t>(size), 0};
+    UploadFile u{"upl_" + http::time_sorted_id(), digest_hex(a.digest), {}, {}, static_cast<uint64_t>(a.size), 0};
     if (s.assets.has(u.hex)) {
         s.assets.touch(u.hex);
         u.offset = u.size = s.assets.size(u.hex).value_or(0);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "render/geometry/mesh_build.h"
 #include "render/sampling.h"
@@ -10,9 +11,18 @@
 namespace alder {
 namespace {
 
-/// The meshes with normals: those that bring none get vertex normals unless every face is flat.
-std::vector<std::shared_ptr<const Mesh>> with_normals(std::vector<std::shared_ptr<const Mesh>> meshes) {
+using Meshes = std::vector<std::shared_ptr<const Mesh>>;
+
+/// The meshes with normals: those that bring none get vertex normals unless every face is flat. `done`: of some that have been.
+Meshes with_normals(Meshes meshes, const Meshes* sources, const Meshes* done) {
+    std::unordered_map<const Mesh*, std::shared_ptr<const Mesh>> known;
+    if (sources)
+        for (size_t i = 0; i < sources->size(); ++i) known.emplace((*sources)[i].get(), (*done)[i]);
     for (auto& mesh : meshes) {
+        if (const auto it = known.find(mesh.get()); it != known.end()) {
+            mesh = it->second;
+            continue;
+        }
         if (mesh->shape != Shape::Triangles || !mesh->corner_normals.empty() || !mesh->vertex_normals.empty()) continue;
         const auto& smooth = mesh->smooth;
         if (!smooth.empty() && std::none_of(smooth.begin(), smooth.end(), [](uint8_t s) { return s != 0; })) continue;
@@ -50,9 +60,16 @@ InstanceFrame frame_of(const Transform& t) {
     return f;
 }
 
-Surfaces::Surfaces(std::vector<std::shared_ptr<const Mesh>> meshes, std::vector<Instance> instances)
-    : meshes_(with_normals(std::move(meshes))), instances_(std::move(instances)), accel_(meshes_, instances_) {
-    for (const auto& m : meshes_) tables_.push_back(std::make_unique<MeshTables>(m));
+Surfaces::Surfaces(Meshes meshes, std::vector<Instance> instances, const Surfaces* previous)
+    : sources_(std::move(meshes)), meshes_(with_normals(sources_, previous ? &previous->sources_ : nullptr, previous ? &previous->meshes_ : nullptr)),
+      instances_(std::move(instances)), accel_(meshes_, instances_, previous ? &previous->accel_ : nullptr) {
+    std::unordered_map<const Mesh*, std::shared_ptr<const MeshTables>> known;
+    if (previous)
+        for (size_t i = 0; i < previous->meshes_.size(); ++i) known.emplace(previous->meshes_[i].get(), previous->tables_[i]);
+    for (const auto& m : meshes_) {
+        const auto it = known.find(m.get());
+        tables_.push_back(it != known.end() ? it->second : std::make_shared<MeshTables>(m));
+    }
     frames_.reserve(instances_.size());
     motion_.resize(instances_.size());
     for (size_t i = 0; i < instances_.size(); ++i) {

@@ -67,7 +67,8 @@ InstanceFrame frame_of(const Transform& object_to_world);
 
 class Surfaces {
   public:
-    Surfaces(std::vector<std::shared_ptr<const Mesh>> meshes, std::vector<Instance> instances);
+    /// `previous`: what it made of meshes that are here too (normals, tables, BVH) is shared.
+    Surfaces(std::vector<std::shared_ptr<const Mesh>> meshes, std::vector<Instance> instances, const Surfaces* previous = nullptr);
 
     const std::vector<Instance>& instances() const { return instances_; }
     const std::vector<std::shared_ptr<const Mesh>>& meshes() const { return meshes_; }
@@ -80,6 +81,8 @@ class Surfaces {
     const Mesh& mesh_of(uint32_t instance) const { return *meshes_[instances_[instance].mesh]; }
     const MeshTables& tables_of(uint32_t instance) const { return *tables_[instances_[instance].mesh]; }
     const Accel& accel() const { return accel_; }
+    /// Whether it was made of just these meshes.
+    bool are_made_of(const std::vector<std::shared_ptr<const Mesh>>& meshes) const { return meshes == sources_; }
 
     /// Index into Scene::materials.
     uint32_t material(uint32_t instance, uint32_t triangle) const {
@@ -98,8 +101,9 @@ class Surfaces {
   private:
     void triangle_point(const Mesh& mesh, const InstanceFrame& frame, ShadingPoint& s) const;
     void thread_point(const Mesh& mesh, const InstanceFrame& frame, ShadingPoint& s) const;
+    std::vector<std::shared_ptr<const Mesh>> sources_;  ///< as they were given, before normals
     std::vector<std::shared_ptr<const Mesh>> meshes_;
-    std::vector<std::unique_ptr<MeshTables>> tables_;
+    std::vector<std::shared_ptr<const MeshTables>> tables_;
     std::vector<Instance> instances_;
     std::vector<InstanceFrame> frames_;
     std::vector<std::vector<MotionKey>> motion_;  ///< by instance; empty: at rest

@@ -13,6 +13,8 @@
 #include "server/jobs/files.h"
 #include "server/jobs/visible.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
+#include "server/query.h"
 #include "server/picture.h"
 #include "server/routes.h"
 #include "server/service.h"
@@ -118,30 +120,18 @@ http::Response answer_when_done(Service& s, http::Request& request, const std::s
 }
 
 
-ListFilter read_filter(const http::Request& request) {
+ListFilter read_filter(Query& q) {
     ListFilter f;
-    for (const auto& [name, value] : request.query) {
-        const auto bad = [&, n = name, v = value](const char* expected) { return Problem{"malformed-request", fmt::format("the query member '{}={}': {}", n.substr(0, 80), v.substr(0, 80), expected)}; };
-        if (name == "limit") {
-            int n = 0;
-            const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), n);
-            if (error != std::errc() || end != value.data() + value.size() || n < 1 || n > 1000) throw bad("a whole number from 1 to 1000");
-            f.limit = n;
-        } else if (name == "cursor") {
-            if (value.size() != 30 || value.rfind("rnd_", 0) != 0) throw bad("the member next of an earlier answer");
-            f.before = value;
-        } else if (name == "state") {
-            State state;
-            if (!state_from_name(value, state)) throw bad("queued, preparing, rendering, writing, paused, succeeded, failed or cancelled");
-            f.state = state;
-        } else if (name == "scene") {
-            f.scene = value;
-        } else if (name.rfind("label.", 0) == 0 && name.size() > 6) {
-            f.labels.emplace_back(name.substr(6), value);
-        } else {
-            throw bad("known are limit, cursor, state, scene and label.NAME");
-        }
+    f.limit = static_cast<int>(q.integer("limit", f.limit, 1, 1000));
+    if (const std::string* cursor = q.find("cursor", {{"type", "string"}, {"pattern", "^rnd_[0-9a-z]{26}$"}})) {
+        if (cursor->size() != 30 || cursor->rfind("rnd_", 0) != 0 || cursor->find_first_not_of("0123456789abcdefghijklmnopqrstuvwxyz", 4) != std::string::npos)
+            throw Problem{"malformed-request", "the query member 'cursor' is the member next of an earlier answer"};
+        f.before = *cursor;
     }
+    State state;
+    if (state_from_name(q.choice("state", "", {"queued", "preparing", "rendering", "writing", "paused", "succeeded", "failed", "cancelled"}), state)) f.state = state;
+    if (const std::string* scene = q.find("scene")) f.scene = *scene;
+    f.labels = q.prefixed("label.");
     return f;
 }
 
@@ -189,7 +179,9 @@ http::Response post_final_render(Service& s, http::Request& request, const nlohm
 
 http::Response get_renders(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
-    ListFilter filter = read_filter(request);
+    Query q(request);
+    ListFilter filter = read_filter(q);
+    q.finish();
     if (!request.sees_all) filter.user = request.user;
     const int limit = filter.limit++;
     auto found = s.renders.list(filter);
@@ -215,6 +207,56 @@ http::Response get_render(Service& s, http::Request& request) {
     return r;
 }
 
+namespace {
+
+/// Changes what may be changed. True where there is more to render.
+bool read_change(Members& m, Job& job) {
+    m.integer("priority", job.priority, 0, 100);
+    m.number("retain", job.retain, 0, 3650.0 * 86400);
+    read_labels(m, job.labels);
+    bool more = false;
+    JobSettings settings;
+    if (!m.describes()) {
+        Diagnostics unused;
+        settings = read_settings(job.request, unused);
+    }
+    int64_t samples = 0;
+    if (m.integer("samples", samples, 1, 1 << 20)) {
+        const int64_t had = settings.render.samples > 0 ? settings.render.samples : job.progress.value("samples", int64_t{0});
+        if (samples < had) m.fault("samples", "out-of-range", std::to_string(samples), fmt::format("at least {}: samples are only raised", had));
+        else if (samples != had) {
+            job.request["samples"] = samples;
+            more = true;
+        }
+    }
+    m.object("stop", [&](Members& limits) {
+        double error = 0, seconds = 0;
+        if (limits.number("error", error, 1e-6, 10)) {
+            if (settings.render.target_error <= 0 || error > settings.render.target_error) limits.fault("error", "out-of-range", fmt::format("{:g}", error), "a smaller error than the render has now");
+            else job.request["stop"]["error"] = error, more = error != settings.render.target_error || more;
+        }
+        if (limits.number("seconds", seconds, 0.001, 1e7)) {
+            if (settings.render.seconds <= 0 || seconds < settings.render.seconds) limits.fault("seconds", "out-of-range", fmt::format("{:g}", seconds), "more seconds than the render has now");
+            else job.request["stop"]["seconds"] = seconds, more = seconds != settings.render.seconds || more;
+        }
+        limits.finish(false);
+    });
+    m.finish(false);
+    return more;
+}
+
+}  // namespace
+
+void describe_render_change(Members& m) {
+    Job job;
+    read_change(m, job);
+}
+void describe_render(Members& m) {
+    JobSettings settings;
+    read_settings(m, settings);
+}
+void describe_renders_query(Query& q) { read_filter(q); }
+
 http::Response patch_render(Service& s, http::Request& request) {
     best_type(request, {"application/json"});
     const Job before = visible(s, request);
@@ -223,35 +265,7 @@ http::Response patch_render(Service& s, http::Request& request) {
         if (request.header("if-match")) require_match(request, job.etag());
         Diagnostics d;
         Members m(body, "", d);
-        int64_t samples = 0;
-        m.integer("priority", job.priority, 0, 100);
-        m.number("retain", job.retain, 0, 3650.0 * 86400);
-        if (const auto* labels = m.find("labels")) read_labels(*labels, "/labels", job.labels, d);
-        bool more = false;
-        Diagnostics unused;
-        const JobSettings settings = read_settings(job.request, unused);
-        if (m.integer("samples", samples, 1, 1 << 20)) {
-            const int64_t had = settings.render.samples > 0 ? settings.render.samples : job.progress.value("samples", int64_t{0});
-            if (samples < had) m.fault("samples", "out-of-range", std::to_string(samples), fmt::format("at least {}: samples are only raised", had));
-            else if (samples != had) {
-                job.request["samples"] = samples;
-                more = true;
-            }
-        }
-        if (const auto* stop = m.find("stop")) {
-            Members limits(*stop, "/stop", d);
-            double error = 0, seconds = 0;
-            if (limits.number("error", error, 1e-6, 10)) {
-                if (settings.render.target_error <= 0 || error > settings.render.target_error) limits.fault("error", "out-of-range", fmt::format("{:g}", error), "a smaller error than the render has now");
-                else job.request["stop"]["error"] = error, more = error != settings.render.target_error || more;
-            }
-            if (limits.number("seconds", seconds, 0.001, 1e7)) {
-                if (settings.render.seconds <= 0 || seconds < settings.render.seconds) limits.fault("seconds", "out-of-range", fmt::format("{:g}", seconds), "more seconds than the render has now");
-                else job.request["stop"]["seconds"] = seconds, more = seconds != settings.render.seconds || more;
-            }
-            limits.finish(false);
-        }
-        m.finish(false);
+        const bool more = read_change(m, job);
         if (!d.ok()) throw problem_from("settings-invalid", d);
         if (!more) return false;
         if (job.state == State::Failed || job.state == State::Cancelled) {
@@ -262,7 +276,7 @@ http::Response patch_render(Service& s, http::Request& request) {
         struct stat info {};
         if (job.state == State::Succeeded && (job.expired || settings.frames.size() > 1 || ::stat(RenderFolder(s.options.data, job.id).checkpoint().c_str(), &info) != 0))
             throw Problem{"not-resumable", "its checkpoint is gone"};
-        job.cache_key = result_key(job.snapshot, job.request, read_settings(job.request, unused));
+        job.cache_key = result_key(job.snapshot, job.request, read_settings(job.request, d));
         return true;
     });
     http::Response r = json_response(200, after.document());

@@ -19,13 +19,10 @@ constexpr double kRetainMost = 3650.0 * 86400;
 
 template <size_t N>
 bool read_numbers(Members& m, const std::string& name, std::array<int64_t, N>& out, int64_t low, int64_t high) {
-    const auto* value = m.find(name);
+    const auto* value = m.find(name, {{"type", "array"}, {"items", {{"type", "integer"}, {"minimum", low}, {"maximum", high}}}, {"minItems", N}, {"maxItems", N}});
     if (!value) return false;
     bool fits = value->is_array() && value->size() == N;
-    for (size_t i = 0; fits && i < N; ++i) {
-        fits = (*value)[i].is_number_integer() && (*value)[i].template get<int64_t>() >= low && (*value)[i].template get<int64_t>() <= high;
-        if (fits) out[i] = (*value)[i].template get<int64_t>();
-    }
+    for (size_t i = 0; fits && i < N; ++i) fits = whole_number((*value)[i], low, high, out[i]);
     if (!fits) m.fault(name, "wrong-type", brief(*value), fmt::format("an array of {} whole numbers from {} to {}", N, low, high));
     return fits;
 }
@@ -48,6 +45,10 @@ bool is_output_name(const std::string& name) {
     return true;
 }
 
+size_t code_points(const std::string& utf8) {
+    return static_cast<size_t>(std::count_if(utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
 void read_output(Members& o, JobSettings& s) {
     std::string pixel, compression, parts, naming;
     if (o.choice("pixel_type", pixel, {"half", "float"})) s.exr.all_float = pixel == "float";
@@ -56,9 +57,9 @@ void read_output(Members& o, JobSettings& s) {
                           : compression == "piz" ? ExrOptions::Compression::Piz : compression == "rle" ? ExrOptions::Compression::Rle : ExrOptions::Compression::Zip;
     o.choice("parts", parts, {"single"});
     o.choice("naming", naming, {"alder"});
-    if (o.text("name", s.name) && !is_output_name(s.name)) {
-        o.fault("name", "wrong-value", brief(s.name), "a file name of letters, digits, '.', '_', '-' that does not begin with '.', at most 200 long, with %04d for the frame");
-        s.name.clear();   // the default: nobody ever sees the other
+    if (const auto* name = o.find("name", {{"type", "string"}, {"pattern", "^[A-Za-z0-9_%-][A-Za-z0-9._%-]{0,199}$"}})) {
+        if (name->is_string() && is_output_name(*name)) s.name = *name;
+        else o.fault("name", "wrong-value", brief(*name), "a file name of letters, digits, '.', '_', '-' that does not begin with '.', at most 200 long, with %04d for the frame");
     }
     o.finish(s.lenient);
 }
@@ -82,7 +83,9 @@ void read_time(Members& m, JobSettings& s) {
 }
 
 void read_overrides(Members& m, JobSettings& s) {
-    const auto* value = m.find("overrides");
+    const nlohmann::json text = {{"type", "string"}};
+    const auto* value = m.find("overrides", {{"type", "array"}, {"maxItems", kOverridesMost},
+        {"items", {{"type", "object"}, {"required", {"op", "path"}}, {"properties", {{"op", {{"type", "string"}, {"enum", {"replace", "add", "remove"}}}}, {"path", text}, {"value", nlohmann::json::object()}}}}}});
     if (!value) return;
     if (!value->is_array() || value->size() > kOverridesMost) return m.fault("overrides", "wrong-type", brief(*value), "an array of operations of RFC 6902");
     for (const auto& op : *value) {
@@ -129,24 +132,28 @@ std::vector<int> parse_frames(const std::string& text, size_t most) {
     return out.size() <= most ? out : std::vector<int>{};
 }
 
-bool read_labels(const nlohmann::json& value, const std::string& pointer, nlohmann::json& out, Diagnostics& d) {
-    bool fits = value.is_object() && value.size() <= kLabelsMost;
+void read_labels(Members& m, nlohmann::json& out) {
+    const auto* value = m.find("labels", {{"type", "object"}, {"maxProperties", kLabelsMost}, {"propertyNames", {{"minLength", 1}, {"maxLength", 64}}},
+                                          {"additionalProperties", {{"type", "string"}, {"maxLength", 256}}}});
+    if (!value) return;
+    bool fits = value->is_object() && value->size() <= kLabelsMost;
     if (fits)
-        for (const auto& [name, label] : value.items()) fits = fits && !name.empty() && name.size() <= 64 && label.is_string() && label.get_ref<const std::string&>().size() <= 256;
-    if (fits) out = value;
-    else d.errors.push_back({pointer, "wrong-type", brief(value), fmt::format("at most {} strings by name", kLabelsMost), {}});
-    return fits;
+        for (const auto& [name, label] : value->items())
+            fits = fits && code_points(name) >= 1 && code_points(name) <= 64 && label.is_string() && code_points(label.get_ref<const std::string&>()) <= 256;
+    if (fits) out = *value;
+    else m.fault("labels", "wrong-type", brief(*value), fmt::format("at most {} strings by name", kLabelsMost));
 }
 
-JobSettings read_settings(const nlohmann::json& body, Diagnostics& d) {
-    JobSettings s;
-    Members m(body, "", d);
-    if (m.require("scene", "the id of a scene")) m.text("scene", s.scene);
+void read_settings(Members& m, JobSettings& s) {
+    if (const auto* scene = m.require("scene", "the id of a scene", {{"type", "string"}})) {
+        if (scene->is_string()) s.scene = *scene;
+        else m.fault("scene", "wrong-type", brief(*scene), "a string");
+    }
     m.boolean("lenient", s.lenient);
     m.boolean("strict", s.strict);
     m.boolean("cancel_on_disconnect", s.cancel_on_disconnect);
     std::string mode;
-    m.choice("mode", mode, {"final", "live"});   // live renders take another way long before this
+    m.choice("mode", mode, {"final"});   // live renders take another way long before this
     m.text("camera", s.camera);
     std::array<int64_t, 2> resolution{};
     if (read_numbers(m, "resolution", resolution, 1, kSideMost)) {
@@ -162,32 +169,34 @@ JobSettings read_settings(const nlohmann::json& body, Diagnostics& d) {
     int64_t samples = 0, seed = 0, min_samples = 0;
     if (m.integer("samples", samples, 1, 1 << 20)) s.render.samples = static_cast<int>(samples);
     if (m.integer("seed", seed, 0, UINT32_MAX)) s.render.seed = static_cast<uint32_t>(seed);
-    if (const auto* stop = m.find("stop")) {
-        Members limits(*stop, "/stop", d);
+    m.object("stop", [&](Members& limits) {
         limits.number("error", s.render.target_error, 1e-6, 10);
         limits.number("seconds", s.render.seconds, 0.001, 1e7);
         if (limits.integer("min_samples", min_samples, 0, 1 << 20)) s.min_samples = static_cast<int>(min_samples);
         limits.finish(s.lenient);
-    }
+    });
     m.texts("aovs", s.render.aovs, 1024);
     std::string groups;
     if (m.choice("light_groups", groups, {"all"})) s.render.aovs.push_back("light_groups");
-    if (const auto* output = m.find("output")) {
-        Members o(*output, "/output", d);
-        read_output(o, s);
-    }
+    m.object("output", [&](Members& o) { read_output(o, s); });
     read_time(m, s);
     read_overrides(m, s);
     m.integer("priority", s.priority, 0, 100);
     m.number("retain", s.retain, 0, kRetainMost);
-    if (const auto* labels = m.find("labels")) read_labels(*labels, "/labels", s.labels, d);
-    bool reproducible = true;
-    if (m.boolean("reproducible", reproducible) && !reproducible) m.fault("reproducible", "unsupported", "false", "true: files never hold times, hosts or paths");
+    read_labels(m, s.labels);
+    if (const auto* value = m.find("reproducible", {{"type", "boolean"}, {"enum", {true}}}); value && *value != true)
+        m.fault("reproducible", "unsupported", brief(*value), "true: files never hold times, hosts or paths");
     for (const char* later : {"cryptomatte", "farm"})
-        if (const auto* value = m.find(later)) m.fault(later, "unsupported", brief(*value), "nothing: not available in this version");
+        if (const auto* value = m.find(later, {{"type", "null"}})) m.fault(later, "unsupported", brief(*value), "nothing: not available in this version");
     m.finish(s.lenient);
     if (s.name.empty()) s.name = s.has_frames ? "frame.%04d" : "frame";
     if (s.frames.size() > 1 && s.name.find('%') == std::string::npos) s.name += ".%04d";
+}
+
+JobSettings read_settings(const nlohmann::json& body, Diagnostics& d) {
+    JobSettings s;
+    Members m(body, "", d);
+    read_settings(m, s);
     return s;
 }
 

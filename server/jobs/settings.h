@@ -9,6 +9,7 @@
 #include "graph/diagnostic.h"
 #include "render/image/exr.h"
 #include "render/render.h"
+#include "server/members.h"
 
 namespace alder::jobs {
 
@@ -36,10 +37,11 @@ struct JobSettings {
 inline constexpr double kWaitMost = 3600;
 
 JobSettings read_settings(const nlohmann::json& body, Diagnostics& d);
+void read_settings(Members& m, JobSettings& settings);
 /// "1-48", "1-9x2,20": ascending, without repetition. Empty where it is not one or has more than `most`.
 std::vector<int> parse_frames(const std::string& text, size_t most);
-/// Applies labels of a body or PATCH; faults at /labels.
-bool read_labels(const nlohmann::json& value, const std::string& pointer, nlohmann::json& out, Diagnostics& d);
+/// The member "labels" of a body or PATCH.
+void read_labels(Members& m, nlohmann::json& out);
 /// Bytes that rendering needs for pixels: film, checkpoint and image, from above.
 uint64_t film_bytes(const JobSettings& settings, int width, int height, const std::vector<std::string>& graph_aovs);
 

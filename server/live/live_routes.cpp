@@ -11,6 +11,7 @@
 #include "server/live/live_streams.h"
 #include "server/members.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
 #include "server/picture.h"
 #include "server/routes.h"
 #include "server/service.h"
@@ -28,15 +29,15 @@ std::string graph_etag(const nlohmann::json& graph) {
 }
 
 void read_resolution(Members& m, LiveSettings& settings) {
-    const auto* value = m.find("resolution");
+    const auto* value = m.find("resolution", {{"type", "array"}, {"items", {{"type", "integer"}, {"minimum", 1}, {"maximum", kSideMost}}}, {"minItems", 2}, {"maxItems", 2}});
     if (!value) return;
-    const auto side = [](const nlohmann::json& v) { return v.is_number_integer() && v.get<int64_t>() >= 1 && v.get<int64_t>() <= kSideMost; };
-    if (!value->is_array() || value->size() != 2 || !side((*value)[0]) || !side((*value)[1])) {
+    int64_t width = 0, height = 0;
+    if (!value->is_array() || value->size() != 2 || !whole_number((*value)[0], 1, kSideMost, width) || !whole_number((*value)[1], 1, kSideMost, height)) {
         m.fault("resolution", "out-of-range", brief(*value), fmt::format("two whole numbers from 1 to {}", kSideMost));
         return;
     }
-    settings.width = (*value)[0].get<int>();
-    settings.height = (*value)[1].get<int>();
+    settings.width = static_cast<int>(width);
+    settings.height = static_cast<int>(height);
 }
 
 /// Members that may be given at first and changed later.
@@ -48,8 +49,32 @@ void read_settings(Members& m, LiveSettings& settings) {
     m.texts("aovs", settings.aovs, 1024);
 }
 
+void read_weight(Members& e, Vec3f& weight) {
+    double intensity = 1;
+    e.number("intensity", intensity, 0, 1e6);
+    Vec3f color(1, 1, 1);
+    if (const auto* c = e.find("color", {{"type", "array"}, {"items", {{"type", "number"}, {"minimum", 0}, {"maximum", 1e6}}}, {"minItems", 3}, {"maxItems", 3}})) {
+        bool fits = c->is_array() && c->size() == 3;
+        for (int i = 0; fits && i < 3; ++i) {
+            fits = (*c)[i].is_number() && (*c)[i].get<double>() >= 0 && (*c)[i].get<double>() <= 1e6;
+            if (fits) color[i] = (*c)[i].get<float>();
+        }
+        if (!fits) e.fault("color", "wrong-type", brief(*c), "three numbers from 0 to 1000000");
+    }
+    e.finish(false);
+    weight = color * static_cast<float>(intensity);
+}
+
 /// {"key or 1": {"intensity": 2, "color": [1, 0.5, 0.2]}}: light groups by number, "default", or the name of a light that is alone
 /// in its group.
+nlohmann::json mix_schema() {
+    const nlohmann::json entry = Members::describing([](Members& e) {
+        Vec3f weight;
+        read_weight(e, weight);
+    });
+    return {{"type", "object"}, {"additionalProperties", {{"anyOf", {entry, {{"type", "null"}}}}}}};
+}
+
 bool read_mix(const nlohmann::json& value, const Scene& scene, Mix& mix, Diagnostics& d) {
     Members m(value, "/mix", d);
     if (!value.is_object()) return false;
@@ -72,19 +97,7 @@ bool read_mix(const nlohmann::json& value, const Scene& scene, Mix& mix, Diagnos
         const auto* entry = m.find(name);
         if (!entry) continue;
         Members e(*entry, "/mix/" + pointer_token(name), d);
-        double intensity = 1;
-        e.number("intensity", intensity, 0, 1e6);
-        Vec3f color(1, 1, 1);
-        if (const auto* c = e.find("color")) {
-            bool fits = c->is_array() && c->size() == 3;
-            for (int i = 0; fits && i < 3; ++i) {
-                fits = (*c)[i].is_number() && std::isfinite((*c)[i].get<float>()) && (*c)[i].get<float>() >= 0;
-                if (fits) color[i] = (*c)[i].get<float>();
-            }
-            if (!fits) e.fault("color", "wrong-type", brief(*c), "three numbers that are not negative");
-        }
-        e.finish(false);
-        mix.weight[g] = color * static_cast<float>(intensity);
+        read_weight(e, mix.weight[g]);
     }
     m.finish(false);
     return true;
@@ -99,11 +112,45 @@ Compiled compile(Service& s, const nlohmann::json& graph, const std::string& pre
     return {s.engine.stage(stage, material, d), material};
 }
 
-void check_stage(Members& m, const std::string& stage) {
+bool read_stage(Members& m, std::string& stage) {
     const auto views = stage_names();
-    const std::vector<std::string> names(views.begin(), views.end());
-    if (std::find(names.begin(), names.end(), stage) == names.end())
-        m.fault("stage", "unknown-value", "\"" + stage + "\"", fmt::format("one of {}", fmt::join(names, ", ")), nearest_name(stage, names));
+    return m.choice("stage", stage, {views.begin(), views.end()});
+}
+
+struct LiveRequest {
+    std::string scene, stage = "shaderball";
+    const nlohmann::json* graph = nullptr;
+    bool lenient = false, has_stage = false;
+    LiveSettings settings;
+};
+
+void read_live(Members& m, LiveRequest& r) {
+    m.require("mode", "\"live\"", {{"type", "string"}, {"enum", {"live"}}});
+    m.boolean("lenient", r.lenient);
+    m.text("scene", r.scene);
+    r.has_stage = read_stage(m, r.stage);
+    r.graph = m.find("graph", schema_ref("Graph"));
+    if (!m.describes() && r.scene.empty() == (r.graph == nullptr)) m.fault("graph", r.graph ? "conflict" : "missing-member", r.graph ? "scene and graph" : "nothing", "either scene, or graph and stage");
+    if (r.has_stage && !r.scene.empty()) m.fault("stage", "conflict", "scene and stage", "either scene, or graph and stage");
+    r.settings.width = r.settings.height = 0;
+    read_settings(m, r.settings);
+    std::string groups;
+    m.choice("light_groups", groups, {"all"});   // they are recorded anyway
+    m.finish(r.lenient);
+}
+
+struct LiveChange {
+    LiveSettings settings;
+    std::string stage;
+    bool has_stage = false;
+    const nlohmann::json* mix = nullptr;
+};
+
+void read_live_change(Members& m, LiveChange& c) {
+    read_settings(m, c.settings);
+    c.has_stage = read_stage(m, c.stage);
+    c.mix = m.find("mix", m.describes() ? mix_schema() : nullptr);
+    m.finish(false);
 }
 
 nlohmann::json document(const LiveEntry& entry) {
@@ -145,20 +192,15 @@ http::Response patch_live(Service& s, http::Request& request, LiveEntry& entry) 
     nlohmann::json answer = {{"changed", nlohmann::json::array()}, {"rebuild", "none"}};
     const std::lock_guard lock(entry.edit_mutex);
     Members m(body, "", d);
-    LiveSettings settings = entry.render->settings();
-    read_settings(m, settings);
-    std::string stage = entry.stage;
-    if (m.text("stage", stage)) {
-        if (!entry.scene.empty()) m.fault("stage", "unexpected", "\"" + stage + "\"", "nothing: the render follows a scene");
-        else check_stage(m, stage);
-    }
+    LiveChange change{entry.render->settings(), entry.stage};
+    read_live_change(m, change);
+    const auto& [settings, stage, has_stage, weights] = change;
+    if (has_stage && !entry.scene.empty()) m.fault("stage", "unexpected", "\"" + stage + "\"", "nothing: the render follows a scene");
     Mix mix = entry.render->current_mix();
-    const auto* weights = m.find("mix");
     if (weights) read_mix(*weights, *entry.render->scene()->scene, mix, d);
-    m.finish(false);
     if (!d.ok()) throw problem_from("settings-invalid", d);
     if (stage != entry.stage)
-        s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) { answer = set_graph(s, entry, entry.graph, stage, "", token, d); });
+        s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) { answer = set_graph(s, entry, entry.graph, change.stage, "", token, d); });
     for (const char* name : {"resolution", "max_samples", "seed", "aovs"})
         if (body.contains(name)) answer["changed"].push_back(name);
     if (body.contains("resolution") || body.contains("max_samples") || body.contains("seed") || body.contains("aovs")) entry.render->change(settings, weights ? "" : token);
@@ -233,12 +275,19 @@ http::Response snapshot(Service&, http::Request& request, LiveEntry& entry, cons
     return r;
 }
 
+struct PixelRequest {
+    int x, y;
+    bool explain;
+};
+PixelRequest read_pixel(Query& q) {
+    const auto x = q.integer("x", 0, 0, 65535, true), y = q.integer("y", 0, 0, 65535, true);
+    return {static_cast<int>(x), static_cast<int>(y), q.choice("explain", "0", {"0", "1"}) == "1"};
+}
+
 http::Response get_pixel(Service&, http::Request& request, LiveEntry& entry) {
     best_type(request, {"application/json"});
     Query q(request);
-    if (!q.find("x") || !q.find("y")) throw Problem{"malformed-request", "the query members x and y are needed"};
-    const int x = static_cast<int>(q.number("x", 0, 0, 1 << 16)), y = static_cast<int>(q.number("y", 0, 0, 1 << 16));
-    if (const std::string* explain = q.find("explain"); explain && *explain != "0") throw Problem{"not-available", "explain is not available in this version"};
+    const auto [x, y, explain] = read_pixel(q);
     q.finish();
     const auto frame = some_frame(entry);
     if (x >= frame->width || y >= frame->height) throw Problem{"settings-invalid", fmt::format("the picture has {} x {} pixels", frame->width, frame->height)};
@@ -269,30 +318,35 @@ http::Response get_stats(LiveEntry& entry) {
 
 }  // namespace
 
+void describe_live(Members& m) {
+    LiveRequest r;
+    read_live(m, r);
+}
+void describe_live_change(Members& m) {
+    LiveChange c;
+    read_live_change(m, c);
+}
+void describe_pixel_query(Query& q) { read_pixel(q); }
+void describe_snapshot_query(Query& q) {
+    q.list("aovs");
+    query_view(q);
+}
+
 http::Response post_live_render(Service& s, http::Request& request, const nlohmann::json& body) {
     best_type(request, {"application/json"});
     Diagnostics d;
     Members m(body, "", d);
+    LiveRequest wanted;
+    wanted.settings.threads = s.engine.threads();
+    read_live(m, wanted);
+    if (!d.ok()) throw problem_from("settings-invalid", d);
+    LiveSettings& settings = wanted.settings;
     auto entry = std::make_shared<LiveEntry>();
     entry->user = request.user;
-    LiveSettings settings;
-    settings.threads = s.engine.threads();
-    m.find("mode");
-    m.boolean("lenient", entry->lenient);
-    m.text("scene", entry->scene);
-    entry->stage = "shaderball";
-    const bool has_stage = m.text("stage", entry->stage);
-    const auto* graph = m.find("graph");
-    if (entry->scene.empty() == (graph == nullptr)) m.fault("graph", graph ? "conflict" : "missing-member", graph ? "scene and graph" : "nothing", "either scene, or graph and stage");
-    if (has_stage && !entry->scene.empty()) m.fault("stage", "conflict", "scene and stage", "either scene, or graph and stage");
-    if (entry->scene.empty()) check_stage(m, entry->stage);
-    settings.width = settings.height = 0;
-    read_settings(m, settings);
-    std::string groups;
-    m.choice("light_groups", groups, {"all"});   // they are recorded anyway
-    m.finish(entry->lenient);
-    if (!d.ok()) throw problem_from("settings-invalid", d);
-    if (graph) entry->graph = *graph;
+    entry->scene = wanted.scene;
+    entry->stage = wanted.stage;
+    entry->lenient = wanted.lenient;
+    if (wanted.graph) entry->graph = *wanted.graph;
     const auto revision = entry->scene.empty() ? nullptr : s.scenes.get(entry->scene);
     LiveSource source;
     s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {

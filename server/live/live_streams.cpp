@@ -75,53 +75,12 @@ uint16_t half_bits(float value) {
 
 }  // namespace
 
-const std::string* Query::find(const std::string& name) {
-    const std::string* found = nullptr;
-    for (size_t i = 0; i < used_.size(); ++i)
-        if (request_.query[i].first == name) {
-            if (found) throw Problem{"malformed-request", fmt::format("the query member '{}' is there twice", name)};
-            used_[i] = true;
-            found = &request_.query[i].second;
-        }
-    return found;
-}
-
-double Query::number(const std::string& name, double otherwise, double low, double high) {
-    const std::string* text = find(name);
-    if (!text) return otherwise;
-    double value = 0;
-    const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
-    if (code != std::errc() || end != text->data() + text->size() || !(value >= low && value <= high))
-        throw Problem{"malformed-request", fmt::format("the query member '{}' is a number from {} to {}", name, low, high)};
-    return value;
-}
-
-std::vector<std::string> Query::list(const std::string& name) {
-    std::vector<std::string> names;
-    if (const std::string* text = find(name))
-        for (size_t at = 0; at <= text->size();) {
-            const size_t comma = std::min(text->find(',', at), text->size());
-            if (comma > at) names.push_back(text->substr(at, comma - at));
-            at = comma + 1;
-        }
-    return names;
-}
-
-void Query::finish() const {
-    for (size_t i = 0; i < used_.size(); ++i)
-        if (!used_[i]) throw Problem{"malformed-request", fmt::format("the query member '{}' is not known here", request_.query[i].first.substr(0, 64))};
-}
-
 View query_view(Query& q) {
     View v;
     if (const std::string* layer = q.find("aov"); layer && *layer != "beauty" && *layer != "rgba") v.layer = *layer;
     v.exposure = static_cast<float>(q.number("exposure", 0, -64, 64));
-    v.quality = static_cast<int>(q.number("quality", 90, 1, 100));
-    if (const std::string* name = q.find("transform")) {
-        const auto transform = view_transform_from_name(*name);
-        if (!transform) throw Problem{"malformed-request", "the query member 'transform' is srgb, linear or filmic-none"};
-        v.transform = *transform;
-    }
+    v.quality = static_cast<int>(q.integer("quality", 90, 1, 100));
+    v.transform = *view_transform_from_name(q.choice("transform", "srgb", {"srgb", "linear", "filmic-none"}));
     return v;
 }
 
@@ -184,18 +143,25 @@ http::Response events_stream(Service& s, http::Request& request, const std::shar
     return r;
 }
 
+namespace {
+struct PreviewStream {
+    View view;
+    int side;
+    std::string type;
+};
+PreviewStream read_preview_stream(Query& q) {
+    const View view = query_view(q);
+    const auto side = q.integer("size", 0, 1, 16384);
+    return {view, static_cast<int>(side), "image/" + q.choice("type", "jpeg", {"jpeg", "png"})};
+}
+}  // namespace
+
 http::Response preview_stream(Service& s, http::Request& request, const std::shared_ptr<LiveEntry>& entry) {
     Query q(request);
-    const View view = query_view(q);
-    const int side = static_cast<int>(q.number("size", 0, 1, 16384));
-    std::string type = "image/jpeg";
-    if (const std::string* wanted = q.find("type")) {
-        if (*wanted != "jpeg" && *wanted != "png") throw Problem{"malformed-request", "the query member 'type' is jpeg or png"};
-        type = "image/" + *wanted;
-    }
+    const auto [view, side, type] = read_preview_stream(q);
     q.finish();
     const std::string key = fmt::format("{}|{}|{}|{}|{}|{}", type, view.layer, view.exposure, static_cast<int>(view.transform), view.quality, side);
-    const auto send = [=](const http::StreamWriter& write, const Frame& frame, uint64_t before) {
+    const auto send = [=, view = view, side = side, type = type](const http::StreamWriter& write, const Frame& frame, uint64_t before) {
         std::shared_ptr<const std::string> bytes;
         try {
             bytes = frame.encoded(key, [&] { return encode_frame(frame, type, view, side); });
@@ -212,21 +178,30 @@ http::Response preview_stream(Service& s, http::Request& request, const std::sha
     return frame_stream(s, request, entry, fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary), send, {});
 }
 
-http::Response exr_stream(Service& s, http::Request& request, const std::shared_ptr<LiveEntry>& entry) {
-    Query q(request);
-    const auto aovs = q.list("aovs");
-    const std::string* at = q.find("at");
+namespace {
+struct ExrStream {
+    std::vector<std::string> aovs;
     double every_seconds = 0;
     uint64_t every_samples = 0;
-    if (at && *at != "pow2") {
-        const bool seconds = at->rfind("seconds:", 0) == 0;
-        double n = 0;
-        const char* begin = at->data() + (seconds ? 8 : 0);
-        const auto [end, code] = std::from_chars(begin, at->data() + at->size(), n);
-        if (code != std::errc() || end != at->data() + at->size() || !(n > 0 && n <= 1e6)) throw Problem{"malformed-request", "the query member 'at' is pow2, a number of samples, or seconds:S"};
-        if (seconds) every_seconds = n;
-        else every_samples = static_cast<uint64_t>(std::max(n, 1.0));
-    }
+};
+ExrStream read_exr_stream(Query& q) {
+    ExrStream r{q.list("aovs")};
+    const std::string* at = q.find("at", {{"type", "string"}, {"pattern", "^(pow2|(seconds:)?[0-9]+(\\.[0-9]+)?)$"}});
+    if (!at || *at == "pow2") return r;
+    const bool seconds = at->rfind("seconds:", 0) == 0;
+    double n = 0;
+    const char* begin = at->data() + (seconds ? 8 : 0);
+    const auto [end, code] = std::from_chars(begin, at->data() + at->size(), n, std::chars_format::fixed);
+    if (code != std::errc() || end != at->data() + at->size() || !(n > 0 && n <= 1e6)) throw Problem{"malformed-request", "the query member 'at' is pow2, a number of samples, or seconds:S"};
+    if (seconds) r.every_seconds = n;
+    else r.every_samples = static_cast<uint64_t>(std::max(n, 1.0));
+    return r;
+}
+}  // namespace
+
+http::Response exr_stream(Service& s, http::Request& request, const std::shared_ptr<LiveEntry>& entry) {
+    Query q(request);
+    const auto [aovs, every_seconds, every_samples] = read_exr_stream(q);
     q.finish();
     struct Progress {
         uint64_t version = 0, next = 1;
@@ -234,7 +209,7 @@ http::Response exr_stream(Service& s, http::Request& request, const std::shared_
     };
     const auto progress = std::make_shared<Progress>();
     const uint64_t most = static_cast<uint64_t>(entry->render->settings().max_samples);
-    const auto part = [=](const http::StreamWriter& write, const Frame& frame, bool final) {
+    const auto part = [aovs = aovs](const http::StreamWriter& write, const Frame& frame, bool final) {
         std::string bytes;
         try {
             bytes = exr_bytes(frame, aovs);
@@ -243,7 +218,7 @@ http::Response exr_stream(Service& s, http::Request& request, const std::shared_
         }
         return write(fmt::format("--{}\r\nContent-Type: image/x-exr\r\nContent-Length: {}\r\nAlder-Samples: {}\r\nAlder-Final: {}\r\n\r\n", kBoundary, bytes.size(), frame.samples(), final) + bytes + "\r\n");
     };
-    const auto send = [=](const http::StreamWriter& write, const Frame& frame, uint64_t) {
+    const auto send = [=, every_seconds = every_seconds, every_samples = every_samples](const http::StreamWriter& write, const Frame& frame, uint64_t) {
         if (frame.divisor > 1) return true;   // files are of the full resolution
         const auto now = std::chrono::steady_clock::now();
         if (frame.version != progress->version) *progress = {frame.version, 1, {}};
@@ -257,16 +232,22 @@ http::Response exr_stream(Service& s, http::Request& request, const std::shared_
     return frame_stream(s, request, entry, fmt::format("multipart/mixed; boundary={}", kBoundary), send, at_end);
 }
 
+namespace {
+struct TileStream {
+    std::vector<std::string> aovs;
+    bool half;
+};
+TileStream read_tile_stream(Query& q) {
+    auto aovs = q.list("aovs");
+    return {std::move(aovs), q.choice("type", "half", {"half", "float"}) == "half"};
+}
+}  // namespace
+
 http::Response tile_stream(Service& s, http::Request& request, const std::shared_ptr<LiveEntry>& entry) {
     Query q(request);
-    const auto aovs = q.list("aovs");
-    bool half = true;
-    if (const std::string* type = q.find("type")) {
-        if (*type != "half" && *type != "float") throw Problem{"malformed-request", "the query member 'type' is half or float"};
-        half = *type == "half";
-    }
+    const auto [aovs, half] = read_tile_stream(q);
     q.finish();
-    const auto send = [=](const http::StreamWriter& write, const Frame& frame, uint64_t before) {
+    const auto send = [=, aovs = aovs, half = half](const http::StreamWriter& write, const Frame& frame, uint64_t before) {
         constexpr int kTile = 128;
         const Image im = frame.image(aovs.empty() ? std::vector<std::string>{"rgba"} : aovs);
         nlohmann::json layers = nlohmann::json::array();
@@ -299,3 +280,9 @@ http::Response tile_stream(Service& s, http::Request& request, const std::shared
 }
 
 }  // namespace alder::live
+
+namespace alder {
+void describe_preview_stream_query(Query& q) { live::read_preview_stream(q); }
+void describe_exr_stream_query(Query& q) { live::read_exr_stream(q); }
+void describe_tile_stream_query(Query& q) { live::read_tile_stream(q); }
+}  // namespace alder

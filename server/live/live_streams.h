@@ -5,6 +5,7 @@
 
 #include "render/image/view.h"
 #include "server/live/live_store.h"
+#include "server/query.h"
 
 namespace alder {
 class Service;
@@ -17,19 +18,6 @@ http::Response preview_stream(Service& s, http::Request& request, const std::sha
 http::Response exr_stream(Service& s, http::Request& request, const std::shared_ptr<LiveEntry>& entry);
 http::Response tile_stream(Service& s, http::Request& request, const std::shared_ptr<LiveEntry>& entry);
 
-/// Members of a query, each known and used once; what is left over is a malformed-request.
-class Query {
-  public:
-    explicit Query(const http::Request& request) : request_(request), used_(request.query.size()) {}
-    const std::string* find(const std::string& name);
-    double number(const std::string& name, double otherwise, double low, double high);
-    std::vector<std::string> list(const std::string& name);
-    void finish() const;
-
-  private:
-    const http::Request& request_;
-    std::vector<bool> used_;
-};
 /// aov, exposure, transform, quality: how pictures for screens are asked for.
 View query_view(Query& q);
 /// The frame's picture as a file of this type, at full resolution; throws settings-invalid where it has no such layer.
