@@ -1,10 +1,12 @@
 // Access: bearer tokens, Host and Origin checks, scopes.
 #include "server/access.h"
 
+#include <algorithm>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <openssl/crypto.h>
+#include <openssl/rand.h>
 
 #include "server/digest.h"
 #include "server/errors.h"
@@ -98,6 +100,59 @@ std::string Access::cors_origin(const http::Request& request) const {
     return {};
 }
 
+namespace {
+
+constexpr size_t kSessionsMost = 10000;
+
+/// The session's id in the Cookie header; empty where there is none.
+std::string session_id(const http::Request& request) {
+    const std::string* header = request.header("cookie");
+    if (!header) return {};
+    const std::string name = std::string(kSessionCookie) + "=";
+    for (const std::string& part : split(*header, ';')) {
+        const size_t begin = part.find_first_not_of(' ');
+        if (begin != std::string::npos && part.compare(begin, name.size(), name) == 0) return part.substr(begin + name.size());
+    }
+    return {};
+}
+
+Problem challenge(const char* type, const char* detail) {
+    Problem p{type, detail};
+    p.headers.emplace_back("WWW-Authenticate", "Bearer");
+    return p;
+}
+
+}  // namespace
+
+/// With the lock held.
+const Access::Token* Access::find(const std::string& digest) const {
+    const Token* match = nullptr;
+    for (const Token& token : tokens_)   // all of them, in constant time each: how long it takes tells nothing
+        if (CRYPTO_memcmp(token.digest_hex.data(), digest.data(), digest.size()) == 0) match = &token;
+    return match;
+}
+
+Access::Session Access::login(const std::string& token, int seconds) {
+    const std::string digest = sha256_hex(token);
+    const std::lock_guard lock(mutex_);
+    const Token* match = find(digest);
+    if (!match) throw challenge("token-invalid", "");
+    const auto now = std::chrono::steady_clock::now();
+    std::erase_if(sessions_, [&](const auto& s) { return s.second.ends < now; });
+    if (sessions_.size() >= kSessionsMost) sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(), [](const auto& a, const auto& b) { return a.second.ends < b.second.ends; }));
+    unsigned char random[32];
+    if (RAND_bytes(random, sizeof random) != 1) throw Problem{"internal", "no random numbers"};
+    const std::string id = sha256_hex(std::string_view(reinterpret_cast<const char*>(random), sizeof random));
+    sessions_[sha256_hex(id)] = {digest, now + std::chrono::seconds(seconds)};
+    return {id, match->name};
+}
+
+void Access::logout(const http::Request& request) {
+    const std::string id = session_id(request);
+    const std::lock_guard lock(mutex_);
+    if (!id.empty()) sessions_.erase(sha256_hex(id));
+}
+
 void Access::check(http::Request& request, unsigned scope) const {
     if (check_host && !uses_tokens() && !request.host.empty() && !is_loopback_host(request.host))
         throw Problem{"host-refused", fmt::format("Host is '{}'", request.host)};
@@ -107,21 +162,24 @@ void Access::check(http::Request& request, unsigned scope) const {
     if (!uses_tokens() || scope == kScopeNone) return;
 
     const std::string* authorization = request.header("authorization");
-    const auto challenge = [](const char* type, const char* detail) {
-        Problem p{type, detail};
-        p.headers.emplace_back("WWW-Authenticate", "Bearer");
-        return p;
-    };
-    if (!authorization) throw challenge("token-missing", "there is no Authorization header");
-    constexpr std::string_view kBearer = "bearer ";
-    std::string kind = authorization->substr(0, kBearer.size());
-    for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (kind != kBearer) throw challenge("token-missing", "Authorization is not 'Bearer TOKEN'");
-    const std::string digest = sha256_hex(std::string_view(*authorization).substr(kBearer.size()));
-    const Token* match = nullptr;
+    const std::string session = authorization ? std::string() : session_id(request);
+    std::string digest;
+    if (authorization) {
+        constexpr std::string_view kBearer = "bearer ";
+        std::string kind = authorization->substr(0, kBearer.size());
+        for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        if (kind != kBearer) throw challenge("token-missing", "Authorization is not 'Bearer TOKEN'");
+        digest = sha256_hex(std::string_view(*authorization).substr(kBearer.size()));
+    } else if (session.empty()) {
+        throw challenge("token-missing", "there is no Authorization header");
+    }
     const std::lock_guard lock(mutex_);
-    for (const Token& token : tokens_)   // all of them, in constant time each: how long it takes tells nothing
-        if (CRYPTO_memcmp(token.digest_hex.data(), digest.data(), digest.size()) == 0) match = &token;
+    if (!session.empty()) {
+        const auto open = sessions_.find(sha256_hex(session));
+        if (open == sessions_.end() || open->second.ends < std::chrono::steady_clock::now()) throw challenge("token-missing", "the session has ended");
+        digest = open->second.token_digest;   // a token that was taken back ends its sessions too
+    }
+    const Token* match = find(digest);
     if (!match) throw challenge("token-invalid", "");
     request.user = match->name;
     request.sees_all = (match->scopes & kScopeAdmin) != 0;

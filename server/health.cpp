@@ -56,7 +56,14 @@ http::Response get_version(Service&, http::Request&) {
     return json_response(200, {{"name", "alderd"}, {"version", ALDER_VERSION}, {"build", build_id()}, {"api", "v1"}, {"isa", current_isa()}, {"nodes", all_nodes().size()}});
 }
 
-http::Response get_home(Service&, http::Request& request) {
+http::Response get_home(Service&, http::Request&) {
+    http::Response r;
+    r.status = 302;
+    r.set("Location", "/ui");
+    return r;
+}
+
+http::Response get_about(Service&, http::Request& request) {
     const std::string host = request.host.empty() ? "localhost:7420" : request.host;
     return page("Alder",
                 fmt::format("<p>A render service. It takes shader graphs and scenes over HTTP and answers with pictures. "

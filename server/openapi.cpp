@@ -211,7 +211,7 @@ json make_document() {
             {"paths", std::move(paths)},
             {"components",
              {{"schemas", answer_schemas()},
-              {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}, {"cookie", {{"type", "apiKey"}, {"in", "cookie"}, {"name", "alder_token"}}}}}}}};
+              {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}, {"cookie", {{"type", "apiKey"}, {"in", "cookie"}, {"name", kSessionCookie}}}}}}}};
 }
 
 }  // namespace

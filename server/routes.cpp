@@ -21,6 +21,7 @@ struct Route {
 
 constexpr Route kRoutes[] = {
     {"GET", "/", get_home, kScopeNone},
+    {"GET", "/about", get_about, kScopeNone},
     {"GET", "/ui", get_ui, kScopeNone},
     {"GET", "/ui/examples", get_ui_examples, kScopeNone},
     {"GET", "/ui/examples/{file}", get_ui_example, kScopeNone},
@@ -31,6 +32,8 @@ constexpr Route kRoutes[] = {
     {"GET", "/problems/{type}", get_problem, kScopeNone},
     {"GET", "/v1/openapi.json", get_openapi, kScopeRead},
     {"GET", "/v1/version", get_version, kScopeRead},
+    {"POST", "/v1/login", post_login, kScopeNone},
+    {"DELETE", "/v1/login", delete_login, kScopeNone},
     {"GET", "/v1/nodes", get_nodes, kScopeRead},
     {"GET", "/v1/nodes/{type}", get_node, kScopeRead},
     {"POST", "/v1/evaluate", post_evaluate, kScopeRender},
@@ -46,6 +49,7 @@ constexpr Route kRoutes[] = {
     {"DELETE", "/v1/uploads/{id}", delete_upload, kScopeEdit},
     {"POST", "/v1/scenes", post_scenes, kScopeEdit},
     {"GET", "/v1/scenes/{id}", get_scene, kScopeRead},
+    {"PATCH", "/v1/scenes/{id}", patch_scene, kScopeEdit},
     {"DELETE", "/v1/scenes/{id}", delete_scene, kScopeEdit},
     {"GET", "/v1/scenes/{id}/materials/{name}", get_scene_material, kScopeRead},
     {"PUT", "/v1/scenes/{id}/materials/{name}", put_scene_material, kScopeEdit},

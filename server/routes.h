@@ -24,11 +24,15 @@ bool known_method(const std::string& method);
 
 // health.cpp
 http::Response get_home(Service&, http::Request&);
+http::Response get_about(Service&, http::Request&);
 http::Response get_livez(Service&, http::Request&);
 http::Response get_readyz(Service&, http::Request&);
 http::Response get_metrics(Service&, http::Request&);
 http::Response get_version(Service&, http::Request&);
 http::Response get_problem(Service&, http::Request&);
+// login.cpp
+http::Response post_login(Service&, http::Request&);
+http::Response delete_login(Service&, http::Request&);
 // page.cpp
 http::Response get_ui(Service&, http::Request&);
 http::Response get_ui_file(Service&, http::Request&);
@@ -54,6 +58,7 @@ http::Response delete_upload(Service&, http::Request&);
 // scene_routes.cpp
 http::Response post_scenes(Service&, http::Request&);
 http::Response get_scene(Service&, http::Request&);
+http::Response patch_scene(Service&, http::Request&);
 http::Response delete_scene(Service&, http::Request&);
 http::Response get_scene_material(Service&, http::Request&);
 http::Response put_scene_material(Service&, http::Request&);

@@ -145,6 +145,13 @@ http::Response get_scene_material(Service& s, http::Request& request) {
 
 namespace {
 
+http::Response edit_response(const SceneStore::Edit& edit, const Diagnostics& d, const std::string& token) {
+    http::Response r = json_response(200, {{"changed", edit.changed}, {"rebuild", edit.rebuild}, {"reused", live::reused(*edit.before->prepared, *edit.after->prepared)},
+                                           {"scene", {{"revision", edit.scene->revision}, {"etag", edit.scene->etag}}}, {"warnings", to_json(d.warnings)}});
+    if (!token.empty()) r.set("Alder-Edit-Id", token);
+    return r;
+}
+
 http::Response edit_scene_material(Service& s, http::Request& request, bool is_patch) {
     best_type(request, {"application/json"});
     const bool lenient = query_lenient(request);
@@ -162,16 +169,36 @@ http::Response edit_scene_material(Service& s, http::Request& request, bool is_p
                                                      return is_patch ? live::patched(request, current, body) : body;
                                                  }, d);
         s.live.scene_changed(id, {edit.after->prepared, edit.scene->etag}, token);
-        const nlohmann::json changed = edit.rebuild == "none" ? nlohmann::json::array() : nlohmann::json::array({"materials/" + name});
-        response = json_response(200, {{"changed", changed}, {"rebuild", edit.rebuild}, {"reused", live::reused(*edit.before->prepared, *edit.after->prepared)},
-                                       {"scene", {{"revision", edit.scene->revision}, {"etag", edit.scene->etag}}}, {"warnings", to_json(d.warnings)}});
+        response = edit_response(edit, d, token);
         response.set("ETag", graph_etag(edit.graph));
-        if (!token.empty()) response.set("Alder-Edit-Id", token);
     });
     return response;
 }
 
 }  // namespace
+
+http::Response patch_scene(Service& s, http::Request& request) {
+    best_type(request, {"application/json"});
+    const bool lenient = query_lenient(request);
+    const std::string id = request.parameters["id"];
+    const auto known = s.scenes.get(id);   // 404 before 428
+    if (!request.header("if-match")) require_match(request, known->etag);
+    const nlohmann::json body = s.read_json(request, true);
+    const std::string token = live::edit_token(request);
+    http::Response response;
+    s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) {
+        Diagnostics d;
+        const auto edit = s.scenes.edit_document(s.engine, s.assets, id, lenient,
+                                                 [&](const nlohmann::json& current, const SceneRevision& scene) {
+                                                     require_match(request, scene.etag);
+                                                     return live::patched(request, current, body);
+                                                 }, d);
+        s.live.scene_changed(id, {edit.after->prepared, edit.scene->etag}, token);
+        response = edit_response(edit, d, token);
+        response.set("ETag", edit.scene->etag);
+    });
+    return response;
+}
 
 http::Response put_scene_material(Service& s, http::Request& request) { return edit_scene_material(s, request, false); }
 http::Response patch_scene_material(Service& s, http::Request& request) { return edit_scene_material(s, request, true); }

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "graph/json_text.h"
+#include "render/prepared_scene.h"
 #include "server/digest.h"
 #include "server/errors.h"
 #include "server/http/door.h"
@@ -213,7 +216,107 @@ SceneStore::Edit SceneStore::edit_material(Engine& engine, AssetStore& assets, c
     result->scene = std::move(edited);
     keep(next);
     remember(*next, result);
-    return {next, rebuild_class(*before, *material), std::move(graph), loaded, result};
+    std::string rebuild = rebuild_class(*before, *material);
+    std::vector<std::string> changed;
+    if (rebuild != "none") changed.push_back("materials/" + name);
+    return {next, std::move(rebuild), std::move(graph), std::move(changed), loaded, result};
+}
+
+namespace {
+
+/// The document with the graphs that were edited since in their places. What the scene says of a material besides stays.
+nlohmann::json whole_document(Engine& engine, AssetStore& assets, const SceneRevision& scene) {
+    nlohmann::json document = document_of_source(engine, assets, scene.source);
+    for (const auto& [name, graph] : scene.materials) {
+        nlohmann::json& place = document["materials"][name];
+        const nlohmann::json old = std::exchange(place, graph);
+        for (const char* own : {"pass_index", "displacement"})
+            if (old.is_object() && old.contains(own)) place[own] = old[own];
+    }
+    return document;
+}
+
+/// Names of what differs: members of the document, and of those that hold things by name the things.
+std::vector<std::string> differences(const nlohmann::json& a, const nlohmann::json& b) {
+    std::vector<std::string> found;
+    const auto member = [](const nlohmann::json& j, const std::string& name) { return j.contains(name) ? j[name] : nlohmann::json(); };
+    std::set<std::string> sections;
+    for (const auto* j : {&a, &b})
+        for (const auto& [name, value] : j->items()) sections.insert(name);
+    for (const std::string& section : sections) {
+        const nlohmann::json x = member(a, section), y = member(b, section);
+        if (x == y) continue;
+        if (!x.is_object() || !y.is_object() || section == "settings" || section == "world") {
+            found.push_back(section);
+            continue;
+        }
+        std::set<std::string> names;
+        for (const auto* j : {&x, &y})
+            for (const auto& [name, value] : j->items()) names.insert(name);
+        for (const std::string& name : names)
+            if (member(x, name) != member(y, name)) found.push_back(section + "/" + name);
+    }
+    return found;
+}
+
+bool same_names(const Scene& a, const Scene& b) {
+    return std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(), b.materials.end(), [](const SceneMaterial& x, const SceneMaterial& y) { return x.name == y.name; });
+}
+
+SameParts same_parts(const std::vector<std::string>& changed, const Scene& before, const Scene& after) {
+    bool anything_else = !same_names(before, after);   // instances have materials by place
+    SameParts same{true, true, true, true, true};
+    for (const std::string& name : changed) {
+        const std::string section = name.substr(0, name.find('/'));
+        if (section == "instances") same.instances = false;
+        else if (section == "lights") same.lights = false;
+        else if (section == "world") same.world = false;
+        else if (section == "cameras" || section == "camera") same.camera = false;
+        else if (section == "settings") same.settings = false;
+        else anything_else = anything_else || (section != "materials" && section != "meshes" && section != "curves" && section != "points" && section != "report");
+    }
+    return anything_else ? SameParts{} : same;
+}
+
+std::string rebuild_class(const PreparedScene& before, const PreparedScene& after) {
+    if (after.surfaces != before.surfaces) return after.surfaces->meshes() == before.surfaces->meshes() ? "instances" : "geometry";
+    if (after.lights != before.lights) return "lights";
+    return after.materials == before.materials ? "none" : "shading";
+}
+
+}  // namespace
+
+SceneStore::Edit SceneStore::edit_document(Engine& engine, AssetStore& assets, const std::string& id, bool lenient,
+                                           const std::function<nlohmann::json(const nlohmann::json& current, const SceneRevision& scene)>& edit, Diagnostics& d) {
+    const auto mutex = edit_mutex(id);
+    const std::lock_guard lock(*mutex);
+    const auto scene = get(id);
+    const auto loaded = load(engine, assets, *scene, d);
+    const nlohmann::json before = whole_document(engine, assets, *scene);
+    nlohmann::json after = edit(before, *scene);
+    if (!after.is_object()) throw Problem{"request-invalid", "what is left is not a scene document"};
+    Edit result;
+    result.changed = differences(before, after);
+    auto next = std::make_shared<SceneRevision>(*scene);
+    ++next->revision;
+    next->etag = revision_etag(next->revision);
+    next->source["document"] = std::move(after);
+    next->materials.clear();
+    next->assets = digests_of(*next);
+    require_assets(assets, next->assets);
+    auto edited = std::make_shared<LoadedScene>();
+    const SceneBefore old{*loaded->scene, before};
+    edited->scene = load_scene_source(engine, assets, next->source, lenient, d, &old);
+    if (!edited->scene || !d.ok()) throw problem_from("scene-invalid", d);
+    edited->prepared = prepare_edited(*loaded->prepared, same_parts(result.changed, *loaded->scene, *edited->scene), edited->scene, d);
+    if (!edited->prepared || !d.ok()) throw problem_from("scene-invalid", d);
+    keep(next);
+    remember(*next, edited);
+    result.rebuild = rebuild_class(*loaded->prepared, *edited->prepared);
+    result.scene = next;
+    result.before = loaded;
+    result.after = edited;
+    return result;
 }
 
 std::shared_ptr<const PreparedScene> SceneStore::with_graph(Engine& engine, AssetStore& assets, const SceneRevision& scene,

@@ -50,14 +50,19 @@ class SceneStore {
 
     struct Edit {
         std::shared_ptr<const SceneRevision> scene;
-        std::string rebuild;   ///< none, shading, lights, geometry
+        std::string rebuild;   ///< none, shading, lights, instances, geometry
         nlohmann::json graph;
+        std::vector<std::string> changed;   ///< "instances/ball", "cameras/cam"
         std::shared_ptr<const LoadedScene> before, after;
     };
     /// Replaces one graph by what `edit` makes of it. It is called while no other edit of the scene can come between, and
     /// throws where the edit may not go on.
     Edit edit_material(Engine& engine, AssetStore& assets, const std::string& id, const std::string& name, bool lenient,
                        const std::function<nlohmann::json(const nlohmann::json& current)>& edit, Diagnostics& d);
+    /// Replaces the document, graphs edited since included, by what `edit` makes of it. What the edit leaves alone is not built
+    /// again: meshes with their BVHs, programs, lights, the world.
+    Edit edit_document(Engine& engine, AssetStore& assets, const std::string& id, bool lenient,
+                       const std::function<nlohmann::json(const nlohmann::json& current, const SceneRevision& scene)>& edit, Diagnostics& d);
     /// The scene with one material replaced, for a preview; nothing is kept of it.
     std::shared_ptr<const PreparedScene> with_graph(Engine& engine, AssetStore& assets, const SceneRevision& scene, const std::string& name,
                                                     std::shared_ptr<const Material> material, Diagnostics& d);

@@ -15,6 +15,7 @@
 #include "server/http/head.h"
 #include "server/log.h"
 #include "server/negotiate.h"
+#include "server/openapi.h"
 #include "server/routes.h"
 
 namespace alder {
@@ -229,6 +230,9 @@ http::Response Service::route(http::Request& request) {
         p.headers.emplace_back("Allow", match.allow);
         throw p;
     }
+    // Like unknown members of bodies: what would be ignored is refused. (/ui has addresses with a query of their own.)
+    if (!request.query.empty() && request.route.rfind("/v1/", 0) == 0 && !has_query(request.method == "HEAD" ? "GET" : request.method, request.route))
+        throw Problem{"malformed-request", fmt::format("the query member '{}' is not known here", request.query.front().first.substr(0, 64))};
     if (auto answer = live_route(*this, request)) return std::move(*answer);
     return match.handler(*this, request);
 }

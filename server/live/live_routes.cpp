@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "graph/json_text.h"
+#include "render/explain.h"
 #include "render/image/exr.h"
 #include "render/prepared_scene.h"
 #include "render/stages.h"
@@ -284,7 +285,7 @@ PixelRequest read_pixel(Query& q) {
     return {static_cast<int>(x), static_cast<int>(y), q.choice("explain", "0", {"0", "1"}) == "1"};
 }
 
-http::Response get_pixel(Service&, http::Request& request, LiveEntry& entry) {
+http::Response get_pixel(Service& s, http::Request& request, LiveEntry& entry) {
     best_type(request, {"application/json"});
     Query q(request);
     const auto [x, y, explain] = read_pixel(q);
@@ -305,7 +306,19 @@ http::Response get_pixel(Service&, http::Request& request, LiveEntry& entry) {
         if (layer.name == "id_material" && layer.planes[0][i] >= 0 && layer.planes[0][i] < static_cast<float>(scene.materials.size())) material = scene.materials[size_t(layer.planes[0][i])].name;
         values[layer.name.empty() ? "rgba" : layer.name] = v.size() == 1 ? v[0] : v;
     }
-    http::Response r = json_response(200, {{"x", x}, {"y", y}, {"samples", frame->samples()}, {"divisor", frame->divisor}, {"layers", std::move(values)}, {"object", object}, {"material", material}});
+    nlohmann::json answer = {{"x", x}, {"y", y}, {"samples", frame->samples()}, {"divisor", frame->divisor}, {"layers", std::move(values)}};
+    if (explain) {
+        const auto prepared = entry.render->scene();
+        const int width = frame->width, height = frame->height, column = x, row = y;
+        s.run(s.compile_lane, request, 0, [&](const std::atomic<bool>&) { answer["explain"] = explain_pixel(*prepared, width, height, column, row); });
+        if (object.is_null() && answer["explain"].value("hit", false)) {
+            object = answer["explain"]["object"];
+            material = answer["explain"]["material"];
+        }
+    }
+    answer["object"] = std::move(object);
+    answer["material"] = std::move(material);
+    http::Response r = json_response(200, answer);
     r.set("Cache-Control", "no-store");
     return r;
 }

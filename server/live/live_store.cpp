@@ -140,7 +140,11 @@ nlohmann::json reused(const PreparedScene& before, const PreparedScene& after) {
     size_t same = 0;
     const size_t n = std::min(before.materials.size(), after.materials.size());
     for (size_t i = 0; i < n; ++i) same += before.materials[i] == after.materials[i];
-    return {{"geometry", before.surfaces == after.surfaces},
+    const bool geometry = before.surfaces == after.surfaces;
+    const size_t meshes = after.surfaces->meshes().size(), built = geometry ? 0 : after.surfaces->accel().meshes_built();
+    return {{"geometry", geometry},
+            {"meshes", meshes - std::min(built, meshes)},
+            {"meshes_built", built},
             {"lights", before.lights == after.lights},
             {"world", before.world == after.world},
             {"materials", same},

@@ -12,6 +12,8 @@ const halfTable = (() => {
   return table;
 })();
 
+export const halfToFloat = (bits) => halfTable[bits];
+
 async function inflate(bytes) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

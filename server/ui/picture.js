@@ -1,4 +1,4 @@
-// The picture: a layer of the decoded EXR on a canvas, with exposure, light mixer, wipe against picture A, zoom and pixel values.
+// The picture: a layer on a canvas, with exposure, wipe against picture A, zoom, and which pixel is looked at.
 
 const curve = new Uint8Array(4096 + 1);  // linear 0..1 -> sRGB (IEC 61966-2-1), by the square root of the value
 for (let i = 0; i <= 4096; ++i) {
@@ -6,11 +6,11 @@ for (let i = 0; i <= 4096; ++i) {
   curve[i] = Math.round(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
 }
 const display = (x) => (x > 0 ? curve[Math.round(4096 * Math.sqrt(Math.min(x, 1)))] : 0);
-const number = (x) => (Number.isFinite(x) ? (Math.abs(x) >= 1000 || (x !== 0 && Math.abs(x) < 1e-3) ? x.toExponential(3) : x.toFixed(4)) : String(x));
 
 export class Picture {
-  constructor(elements) {
-    Object.assign(this, elements);  // canvas, frame, pixel, mixer
+  /** onLook(x, y, fullX, fullY, chosen): the pointer is over this pixel of the picture, or has chosen it. */
+  constructor(elements, onLook, onLeave) {
+    Object.assign(this, elements, { onLook });  // canvas, frame
     this.image = null;
     this.kept = null;
     this.layer = "";
@@ -18,9 +18,14 @@ export class Picture {
     this.wipe = 0;
     this.zoom = 1;
     this.pan = [0, 0];
-    this.gains = new Map();
+    this.full = [256, 256];   // pixels at full resolution: the first pictures after an edit have fewer
     this.frame.addEventListener("pointermove", (e) => this.onMove(e));
-    this.frame.addEventListener("pointerleave", () => (this.pixel.innerHTML = ""));
+    this.frame.addEventListener("pointerdown", (e) => (this.pressed = [e.clientX, e.clientY]));
+    this.frame.addEventListener("click", (e) => {
+      const [x, y] = this.pressed ?? [e.clientX, e.clientY];
+      if (Math.hypot(e.clientX - x, e.clientY - y) < 4) this.look(e, true);   // not the end of a drag
+    });
+    this.frame.addEventListener("pointerleave", onLeave);
     this.frame.addEventListener("wheel", (e) => {
       e.preventDefault();
       this.setZoom(this.zoom * (e.deltaY < 0 ? 1.25 : 0.8));
@@ -36,8 +41,6 @@ export class Picture {
   }
   show(image) {
     this.image = image;
-    const groups = [...image.layers.keys()].filter((n) => n.startsWith("light_group_"));
-    this.drawMixer(groups);
     this.draw();
   }
   keep() { this.kept = this.image; }
@@ -53,39 +56,7 @@ export class Picture {
     this.canvas.style.height = this.canvas.height * scale + "px";
     this.canvas.style.transform = `translate(${this.pan[0]}px, ${this.pan[1]}px)`;
   }
-  /** Sliders on the light groups act on their layers: no ray is traced. */
-  drawMixer(groups) {
-    const names = groups.join();
-    this.mixer.hidden = groups.length < 2;
-    if (this.mixer.dataset.groups === names) return;
-    this.mixer.dataset.groups = names;
-    this.mixer.replaceChildren(...groups.map((g) => {
-      const label = document.createElement("label"), input = document.createElement("input"), span = document.createElement("span");
-      Object.assign(input, { type: "range", min: 0, max: 4, step: 0.05, value: this.gains.get(g) ?? 1 });
-      span.textContent = g.replace("light_group_", "light group ");
-      input.addEventListener("input", () => {
-        this.gains.set(g, Number(input.value));
-        this.draw();
-      });
-      label.append(span, input);
-      return label;
-    }));
-  }
-  /** Planes of the layer shown; the beauty is the sum of the light groups where one of them has been turned. */
-  planesOf(image) {
-    const layer = image.layers.get(this.layer) ?? image.layers.get("");
-    if (this.layer !== "" || !image.layers.has("light_group_default")) return layer.planes;
-    const turned = [...this.gains].filter(([g, gain]) => gain !== 1 && image.layers.has(g));
-    if (!turned.length) return layer.planes;
-    return [0, 1, 2].map((c) => {
-      const plane = Float32Array.from(layer.planes[c]);
-      for (const [g, gain] of turned) {
-        const group = image.layers.get(g).planes[c];
-        for (let i = 0; i < plane.length; ++i) plane[i] += (gain - 1) * group[i];
-      }
-      return plane;
-    });
-  }
+  planesOf(image) { return (image.layers.get(this.layer) ?? image.layers.get("")).planes; }
   draw() {
     if (!this.image) return;
     const { width, height } = this.image;
@@ -116,22 +87,15 @@ export class Picture {
       this.place();
       return;
     }
-    if (!this.image) return;
-    const box = this.canvas.getBoundingClientRect();
-    const x = Math.floor(((e.clientX - box.left) / box.width) * this.image.width), y = Math.floor(((e.clientY - box.top) / box.height) * this.image.height);
-    this.inspect(x, y);
+    this.look(e, false);
   }
-  inspect(x, y) {
-    if (!this.image || x < 0 || y < 0 || x >= this.image.width || y >= this.image.height) return;
-    this.pixel.replaceChildren(...[...this.image.layers].map(([name, layer]) => {
-      const row = document.createElement("tr"), head = document.createElement("th");
-      head.textContent = name || `beauty at ${x}, ${y}`;
-      row.append(head, ...layer.planes.map((p) => {
-        const cell = document.createElement("td");
-        cell.textContent = number(p[y * this.image.width + x]);
-        return cell;
-      }));
-      return row;
-    }));
+  look(e, chosen) {
+    const box = this.canvas.getBoundingClientRect();
+    this.lookAt((e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height, chosen);
+  }
+  /** u, v: 0..1 from the upper left. */
+  lookAt(u, v, chosen) {
+    if (!this.image || !(u >= 0 && v >= 0 && u < 1 && v < 1)) return;
+    this.onLook(Math.floor(u * this.image.width), Math.floor(v * this.image.height), Math.floor(u * this.full[0]), Math.floor(v * this.full[1]), chosen);
   }
 }
