@@ -63,6 +63,7 @@ http::Response put_asset(Service& s, http::Request& request) {
         throw Problem{"media-type", fmt::format("Content-Encoding '{}' is not accepted", *coding)};
     if (request.header("content-range")) throw Problem{"malformed-request", "PUT takes the whole asset, not a part"};
     if (s.assets.has(hex)) s.assets.touch(hex);
+    if (s.assets.has(hex)) s.metrics.count("alder_asset_dedup_bytes", {}, static_cast<double>(s.assets.size(hex).value_or(0)));
     if (s.assets.has(hex)) return known(200);   // before the body: a client that said Expect need not send it
 
     const uint64_t limit = static_cast<uint64_t>(s.options.asset_gib) << 30;

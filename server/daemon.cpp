@@ -61,6 +61,8 @@ std::optional<Daemon::StartError> Daemon::start() {
 
     Service* service = service_.get();
     door_ = std::make_unique<http::Door>(options_.limits, [service](http::Request& request) { return service->handle(request); });
+    if (!options_.tls_cert.empty())
+        if (const std::string error = door_->use_tls(options_.tls_cert, options_.tls_key); !error.empty()) return wrong(error);
     if (const std::string error = door_->listen(options_.listen); !error.empty()) return wrong(error);
     service_->metrics.gauge("alder_connections", [door = door_.get()] { return static_cast<double>(door->connections()); });
     // Before anyone can know of it: no request comes first in the log.

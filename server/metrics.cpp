@@ -21,9 +21,9 @@ void Metrics::observe(const std::string& name, const std::string& labels, double
     h.sum += seconds;
 }
 
-void Metrics::gauge(const std::string& name, std::function<double()> value) {
+void Metrics::gauge(const std::string& name, std::function<double()> value, const std::string& labels) {
     const std::lock_guard lock(mutex_);
-    gauges_.emplace_back(name, std::move(value));
+    gauges_[name].push_back({labels, std::move(value)});
 }
 
 double Metrics::value(const std::string& name, const std::string& labels) const {
@@ -35,7 +35,7 @@ double Metrics::value(const std::string& name, const std::string& labels) const 
 }
 
 std::string Metrics::text() const {
-    std::vector<std::pair<std::string, std::function<double()>>> gauges;
+    std::map<std::string, std::vector<Gauge>> gauges;
     std::string out;
     const auto braces = [](const std::string& labels) { return labels.empty() ? std::string() : "{" + labels + "}"; };
     {
@@ -57,7 +57,10 @@ std::string Metrics::text() const {
             }
         }
     }
-    for (const auto& [name, value] : gauges) out += fmt::format("# TYPE {0} gauge\n{0} {1}\n", name, value());   // may lock elsewhere
+    for (const auto& [name, rows] : gauges) {
+        out += fmt::format("# TYPE {} gauge\n", name);
+        for (const Gauge& g : rows) out += fmt::format("{}{} {}\n", name, braces(g.labels), g.value());   // may lock elsewhere
+    }
     return out + "# EOF\n";
 }
 

@@ -17,7 +17,7 @@ class Metrics {
     /// Adds an observation in seconds to a histogram.
     void observe(const std::string& name, const std::string& labels, double seconds);
     /// A value that is asked for when the page is made.
-    void gauge(const std::string& name, std::function<double()> value);
+    void gauge(const std::string& name, std::function<double()> value, const std::string& labels = {});
     double value(const std::string& name, const std::string& labels = {}) const;
     std::string text() const;
 
@@ -31,7 +31,11 @@ class Metrics {
     mutable std::mutex mutex_;
     std::map<std::string, std::map<std::string, double>> counters_;
     std::map<std::string, std::map<std::string, Histogram>> histograms_;
-    std::vector<std::pair<std::string, std::function<double()>>> gauges_;
+    struct Gauge {
+        std::string labels;
+        std::function<double()> value;
+    };
+    std::map<std::string, std::vector<Gauge>> gauges_;
 };
 
 }  // namespace alder

@@ -175,11 +175,11 @@ json answers_of(const Operation& o, bool changes, unsigned scope) {
 
 /// What can be done with what a POST has made: programs that walk the interface follow these.
 void add_links(json& paths) {
-    const auto link = [&](const char* from, const char* statuses, const char* prefix, const std::vector<const char*>& to, const char* pointer = "$response.body#/id") {
-        for (const std::string status : {std::string(statuses).substr(0, 3), std::string(statuses).substr(4)}) {
+    const auto link = [&](const char* from, const char* statuses, const char* prefix, const std::vector<std::string>& to, const char* pointer = "$response.body#/id") {
+        for (const std::string& status : {std::string(statuses).substr(0, 3), std::string(statuses).substr(4)}) {
             if (status.empty()) continue;
             json& links = paths[from]["post"]["responses"][status]["links"];
-            for (const std::string name : to) links[name] = {{"operationId", std::string(prefix) + name}, {"parameters", {{"id", pointer}}}};
+            for (const std::string& name : to) links[name] = {{"operationId", std::string(prefix) + name}, {"parameters", {{"id", pointer}}}};
         }
     };
     link("/v1/scenes", "201,", "", {"get_v1_scenes__id_", "delete_v1_scenes__id_", "patch_v1_scenes__id_"});

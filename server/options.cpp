@@ -23,6 +23,10 @@ int parse_options(int argc, char** argv, ServiceOptions& o) {
     app.add_option("--data", o.data, "folder of assets and scenes")->envname("ALDER_DATA");
     app.add_option("--threads", o.threads, "threads that render; 0 = all processors")->envname("ALDER_THREADS")->check(CLI::Range(0, 1024));
     app.add_option("--token-file", o.token_file, "lines NAME:SCOPES:SHA256-OF-TOKEN; needed to listen beyond loopback")->envname("ALDER_TOKEN_FILE");
+    auto* const cert = app.add_option("--tls-cert", o.tls_cert, "PEM certificate with its chain: HTTPS instead of HTTP")->envname("ALDER_TLS_CERT");
+    auto* const key = app.add_option("--tls-key", o.tls_key, "PEM key of the certificate")->envname("ALDER_TLS_KEY");
+    cert->needs(key);
+    key->needs(cert);
     app.add_option("--asset-root", o.asset_roots, "folder below which documents may name files; repeatable")->envname("ALDER_ASSET_ROOT");
     app.add_option("--allow-origin", o.allowed_origins, "web origin that may use this daemon; repeatable")->envname("ALDER_ALLOW_ORIGIN");
     app.add_option("--port-file", o.port_file, "write HOST:PORT here once listening")->envname("ALDER_PORT_FILE");

@@ -11,6 +11,7 @@ struct ServiceOptions {
     std::string listen = "127.0.0.1:7420";
     std::string data;                          ///< folder of assets and scenes; empty = default_data_folder()
     std::string token_file;
+    std::string tls_cert, tls_key;             ///< PEM files; empty = plain HTTP
     std::string port_file;                     ///< written with "HOST:PORT" once listening
     std::vector<std::string> asset_roots;      ///< folders below which documents may name files
     std::vector<std::string> allowed_origins;

@@ -132,6 +132,7 @@ http::Response post_preview(Service& s, http::Request& request) {
     const auto queued = Clock::now();
     s.run(s.preview_lane, request, 0, [&](const std::atomic<bool>& cancel) {
         timings.queue = since(queued);
+        const jobs::Gate::Hold hold(&s.renders.gate());   // somebody waits: renders of the queue stand aside
         const auto compiling = Clock::now();
         const auto material = s.engine.material(p.graph, "/graph", p.lenient, d, p.strict);
         timings.compile = since(compiling);

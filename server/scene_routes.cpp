@@ -53,7 +53,7 @@ struct Container {
 void read_container(Members& m, Container& c) {
     constexpr const char* kDigest = "sha256: and 64 lower-case hexadecimal digits";
     const auto* value = m.require("container", kDigest, {{"type", "string"}, {"pattern", "^sha256:[0-9a-f]{64}$"}});
-    if (value && value->is_string() && !digest_hex(*value).empty()) c.digest = *value;
+    if (value && value->is_string() && !digest_hex(value->get<std::string>()).empty()) c.digest = *value;
     else if (value) m.fault("container", "wrong-type", brief(*value), kDigest);
     m.boolean("lenient", c.lenient);
     m.finish(c.lenient);

@@ -67,10 +67,12 @@ Service::Service(const ServiceOptions& o)
       renders(options, assets, metrics),
       compile_lane("compile", engine_workers(o.threads), static_cast<size_t>(o.queue)),
       preview_lane("preview", 1, static_cast<size_t>(o.queue)),
-      live(metrics) {
+      live(metrics, &renders.gate()) {
     access.allowed_origins = o.allowed_origins;
     assets.set_quota(static_cast<uint64_t>(o.store_gib) << 30);
-    metrics.gauge("alder_store_asset_bytes", [this] { return static_cast<double>(assets.bytes()); });
+    metrics.gauge("alder_store_bytes", [this] { return static_cast<double>(assets.bytes()); }, "what=\"assets\"");
+    metrics.gauge("alder_memory_bytes", [this] { return static_cast<double>(results.bytes()); }, "pool=\"results\"");
+    metrics.gauge("alder_memory_bytes", [] { return static_cast<double>(ImageStore::shared().usage().whole_bytes + ImageStore::shared().usage().tile_bytes); }, "pool=\"textures\"");
     for (const Lane* lane : {&compile_lane, &preview_lane}) {
         metrics.gauge("alder_" + lane->name() + "_queued", [lane] { return static_cast<double>(lane->queued()); });
         metrics.gauge("alder_" + lane->name() + "_running", [lane] { return static_cast<double>(lane->running()); });
@@ -201,6 +203,7 @@ void Service::count_render(const RenderStats& stats) {
     metrics.count("alder_rays", "kind=\"bounce\"", static_cast<double>(stats.bounce_rays));
     metrics.count("alder_rays", "kind=\"shadow\"", static_cast<double>(stats.shadow_rays));
     metrics.count("alder_rays", "kind=\"subsurface\"", static_cast<double>(stats.subsurface_rays));
+    metrics.count("alder_samples", {}, static_cast<double>(stats.samples));
     metrics.count("alder_shading_points", {}, static_cast<double>(stats.shading_points));
     metrics.count("alder_node_evaluations", "outcome=\"run\"", static_cast<double>(stats.node_evaluations));
     metrics.count("alder_node_evaluations", "outcome=\"skipped\"", static_cast<double>(stats.node_skipped));

@@ -43,7 +43,47 @@ void address_text(const sockaddr_storage& a, std::string& ip, int& port) {
 
 }  // namespace
 
+bool Connection::wait_for(short events, Clock::time_point deadline) const {
+    for (;;) {
+        pollfd p{fd_, events, 0};
+        const int ready = poll(&p, 1, poll_milliseconds(deadline));
+        if (ready > 0) return true;
+        if (ready < 0 && errno != EINTR) return false;
+        if (Clock::now() >= deadline) return false;
+    }
+}
+
+bool Connection::greet() {
+    if (!tls_) return true;
+    const auto deadline = Clock::now() + seconds(limits_.head_seconds);
+    for (;;) switch (tls_->handshake()) {
+            case Tls::Session::Want::Done: return true;
+            case Tls::Session::Want::Read:
+                if (!wait_for(POLLIN, deadline)) return false;
+                break;
+            case Tls::Session::Want::Write:
+                if (!wait_for(POLLOUT, deadline)) return false;
+                break;
+            default: return false;
+        }
+}
+
 Connection::Got Connection::receive(Clock::time_point deadline) {
+    while (tls_) {   // what OpenSSL holds already shows no sign at the socket
+        if (consumed_ > 0 && (consumed_ == buffer_.size() || consumed_ >= kReceiveBytes)) {
+            buffer_.erase(0, consumed_);
+            consumed_ = 0;
+        }
+        const size_t old = buffer_.size();
+        size_t got = 0;
+        buffer_.resize(old + kReceiveBytes);
+        const auto want = tls_->read(buffer_.data() + old, kReceiveBytes, got);
+        buffer_.resize(old + got);
+        if (want == Tls::Session::Want::Done) return Got::Data;
+        if (want == Tls::Session::Want::Closed) return Got::End;
+        if (want == Tls::Session::Want::Failed) return Got::Error;
+        if (!wait_for(want == Tls::Session::Want::Read ? POLLIN : POLLOUT, deadline)) return Clock::now() >= deadline ? Got::Timeout : Got::Error;
+    }
     for (;;) {
         pollfd p{fd_, POLLIN, 0};
         const int wait = poll_milliseconds(deadline);
@@ -131,6 +171,7 @@ bool Connection::client_gone() const {
 }
 
 void Connection::linger() {
+    if (tls_) tls_->shut_down();
     ::shutdown(fd_, SHUT_WR);
     const auto deadline = Clock::now() + seconds(1);
     for (size_t discarded = 0; discarded < (4 << 20);) {
@@ -250,6 +291,7 @@ ssize_t Connection::read_body(char* data, size_t size) {
 
 ssize_t Connection::write(const char* data, size_t size) {
     const auto deadline = Clock::now() + seconds(limits_.write_stall_seconds);
+    if (tls_) return write_encrypted(data, size, deadline);
     for (;;) {
         const ssize_t n = send(fd_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
         if (n >= 0) return n;
@@ -257,6 +299,16 @@ ssize_t Connection::write(const char* data, size_t size) {
         if (errno != EAGAIN && errno != EWOULDBLOCK) return -1;
         pollfd p{fd_, POLLOUT, 0};
         if (poll(&p, 1, poll_milliseconds(deadline)) == 0 && Clock::now() >= deadline) return -1;
+    }
+}
+
+ssize_t Connection::write_encrypted(const char* data, size_t size, Clock::time_point deadline) {
+    for (;;) {
+        size_t sent = 0;
+        const auto want = tls_->write(data, size, sent);
+        if (want == Tls::Session::Want::Done) return static_cast<ssize_t>(sent);
+        if (want != Tls::Session::Want::Read && want != Tls::Session::Want::Write) return -1;
+        if (!wait_for(want == Tls::Session::Want::Read ? POLLIN : POLLOUT, deadline)) return -1;
     }
 }
 

@@ -10,13 +10,18 @@
 #include <httplib.h>
 
 #include "server/http/head.h"
+#include "server/http/tls.h"
 
 namespace alder::http {
 
 class Connection final : public httplib::Stream {
   public:
     using Clock = std::chrono::steady_clock;
-    Connection(int fd, const Limits& limits) : fd_(fd), limits_(limits) {}
+    /// `tls`: null, or what encrypts the connection; its descriptor must not block then.
+    Connection(int fd, const Limits& limits, Tls::Session* tls = nullptr) : fd_(fd), limits_(limits), tls_(tls) {}
+
+    /// The TLS handshake, within the time that headers have. True where there is none to make.
+    bool greet();
 
     /// Waits for the next request and parses its head. False: the client left, or stayed silent too long.
     bool next(Head& head, std::optional<Fault>& fault);
@@ -48,6 +53,8 @@ class Connection final : public httplib::Stream {
     enum class Got { Data, End, Timeout, Error };
 
     Got receive(Clock::time_point deadline);   ///< appends to buffer_
+    bool wait_for(short events, Clock::time_point deadline) const;   ///< false: the time is over, or the connection broken
+    ssize_t write_encrypted(const char* data, size_t size, Clock::time_point deadline);
     ssize_t read_body(char* data, size_t size);
     ssize_t take(char* data, size_t size);     ///< up to `size` bytes of body from the buffer or the socket
     bool read_line(std::string& line, size_t limit);
@@ -56,6 +63,7 @@ class Connection final : public httplib::Stream {
 
     int fd_;
     const Limits& limits_;
+    Tls::Session* tls_;
     std::string buffer_;        ///< received, not yet consumed
     size_t consumed_ = 0;
     std::string shown_;         ///< the head for the library

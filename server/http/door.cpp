@@ -112,6 +112,7 @@ std::string time_sorted_id() {
 struct Door::Impl : private httplib::Server {
     Limits limits;
     Door::Handler handler;
+    Tls tls;
     std::string bound;
     std::string socket_path;   ///< of a unix socket, to be removed
     int port = 0;
@@ -208,12 +209,17 @@ struct Door::Impl : private httplib::Server {
     static Exchange& current() { return *exchange; }
 
     void serve(int fd) {
-        Connection connection(fd, limits);
+        std::optional<Tls::Session> session;
+        if (tls.active()) {
+            fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
+            session.emplace(tls, fd);
+        }
+        Connection connection(fd, limits, session ? &*session : nullptr);
         connection.on_busy = [this, fd](bool busy) { set_busy(fd, busy); };
         std::string remote;
         int remote_port = 0;
         connection.get_remote_ip_and_port(remote, remote_port);
-        for (bool go_on = true; go_on;) {
+        for (bool go_on = connection.greet(); go_on;) {
             Request request;
             if (!connection.next(request, request.fault)) break;
             request.remote = remote;
@@ -265,7 +271,7 @@ struct Door::Impl : private httplib::Server {
             "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nRetry-After: 1\r\n"
             "Connection: close\r\nContent-Length: {}\r\n\r\n{}",
             kBody.size(), kBody);
-        (void)!send(fd, answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (!tls.active()) (void)!send(fd, answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
         ::close(fd);
     }
 
@@ -290,6 +296,7 @@ Door::~Door() {
     std::unique_lock lock(impl_->mutex);
     impl_->all_gone.wait(lock, [&] { return impl_->open.empty(); });   // their threads still use what dies here
 }
+std::string Door::use_tls(const std::string& certificate, const std::string& key) { return impl_->tls.load(certificate, key); }
 const std::string& Door::address() const { return impl_->bound; }
 int Door::port() const { return impl_->port; }
 

@@ -15,6 +15,8 @@ class Door {
     Door(const Limits& limits, Handler handler);
     ~Door();
 
+    /// Connections made from now on are encrypted. Empty, or a sentence saying why not.
+    std::string use_tls(const std::string& certificate, const std::string& key);
     /// "127.0.0.1:7420", "[::1]:0" or "unix:PATH". Empty, or a sentence saying why not.
     std::string listen(const std::string& address);
     /// What was bound: "127.0.0.1:43211".

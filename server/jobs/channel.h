@@ -11,7 +11,7 @@
 //   is: ready
 //   is: state       id, state (preparing, rendering, writing), timings, warnings
 //   is: progress    id, fraction, samples, estimated_error, eta, frames_done, frames: at most four a second
-//   is: checkpoint  id, samples
+//   is: checkpoint  id, samples, seconds
 //   is: output      id, file, frame, bytes, digest, layers, complete: the file is whole and on disk
 //   is: snapshot    id, ticket, file, samples; file empty where there is none yet
 //   is: done        id, stats, timings

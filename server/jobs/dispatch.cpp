@@ -101,7 +101,8 @@ std::string JobQueue::start_worker() {
                                                       {"checkpoint_seconds", options_.checkpoint_seconds},
                                                       {"checkpoint_fraction", options_.checkpoint_fraction},
                                                       {"log_level", options_.log_level},
-                                                      {"priority", 19}});
+                                                      {"gate", gate_.descriptor() >= 0},
+                                                      {"priority", 19}}, gate_.descriptor());
     worker_pid_ = worker_.pid();
     if (!error.empty()) {
         ++worker_failures_;
@@ -212,6 +213,7 @@ void JobQueue::take(const nlohmann::json& m) {
         } else if (is == "progress") {
             job.progress = m.at("progress");
         } else if (is == "checkpoint") {
+            metrics_.observe("alder_checkpoint_seconds", {}, m.value("seconds", 0.0));
             job.crashes = 0;
             store_.update(job);
         } else if (is == "output") {
@@ -225,6 +227,7 @@ void JobQueue::take(const nlohmann::json& m) {
         } else if (is == "done") {
             merge_timings();
             job.stats = m.at("stats");
+            count(job);
             job.progress["fraction"] = 1;
             job.progress["eta"] = 0;
             job.progress["frames_done"] = job.outputs.size();
@@ -261,6 +264,24 @@ void JobQueue::take(const nlohmann::json& m) {
         }
     }
     changed();
+}
+
+/// Adds what a job took to the counters.
+void JobQueue::count(const Job& job) {
+    for (const char* phase : {"load", "build", "compile"})
+        if (const auto it = job.timings.find(phase); it != job.timings.end() && it->is_number()) metrics_.observe("alder_build_seconds", fmt::format("phase=\"{}\"", phase), it->get<double>());
+    if (const auto it = job.timings.find("first_image"); it != job.timings.end() && it->is_number()) metrics_.observe("alder_first_image_seconds", {}, it->get<double>());
+    if (!job.stats.is_object()) return;
+    const auto add = [&](const char* name, const std::string& labels, const nlohmann::json& value) {
+        if (value.is_number()) metrics_.count(name, labels, value.get<double>());
+    };
+    if (const auto rays = job.stats.find("rays"); rays != job.stats.end())
+        for (const auto& [kind, n] : rays->items()) add("alder_rays", fmt::format("kind=\"{}\"", kind), n);
+    add("alder_samples", {}, job.stats.value("samples", nlohmann::json()));
+    add("alder_shading_points", {}, job.stats.value("shading_points", nlohmann::json()));
+    add("alder_node_evaluations", "outcome=\"run\"", job.stats.value("node_evaluations", nlohmann::json()));
+    add("alder_node_evaluations", "outcome=\"skipped\"", job.stats.value("node_evaluations_skipped", nlohmann::json()));
+    add("alder_nonfinite_samples", {}, job.stats.value("nonfinite_samples", nlohmann::json()));
 }
 
 void JobQueue::finish(State state, const std::string& reason) {

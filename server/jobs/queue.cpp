@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -25,6 +26,15 @@ constexpr double kCancelSeconds = 10;   // a worker that does not stop by then i
     Problem p{"state-conflict", fmt::format("the render is {}: it cannot be {}", state_name(job.state), verb)};
     p.extra["state"] = state_name(job.state);
     throw p;
+}
+
+/// Of a process; 0 where there is none.
+uint64_t resident_bytes(pid_t pid) {
+    if (pid <= 0) return 0;
+    std::ifstream file(fmt::format("/proc/{}/statm", pid));
+    uint64_t whole = 0, resident = 0;
+    file >> whole >> resident;
+    return file ? resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) : 0;
 }
 
 }  // namespace
@@ -62,12 +72,14 @@ std::string JobQueue::start() {
     wake_fd_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (wake_fd_ < 0) return "no event descriptor";
     for (const State s : {State::Queued, State::Paused, State::Succeeded, State::Failed, State::Cancelled})
-        metrics_.gauge(fmt::format("alder_renders_{}", state_name(s)), [this, s] { return static_cast<double>(store_.count(s)); });
-    metrics_.gauge("alder_renders_running", [this] {
+        metrics_.gauge("alder_renders", [this, s] { return static_cast<double>(store_.count(s)); }, fmt::format("state=\"{}\"", state_name(s)));
+    metrics_.gauge("alder_renders", [this] {
         const std::lock_guard lock(mutex_);
         return active_ ? 1.0 : 0.0;
-    });
-    metrics_.gauge("alder_store_output_bytes", [this] { return static_cast<double>(store_.output_bytes()); });
+    }, "state=\"rendering\"");
+    metrics_.gauge("alder_store_bytes", [this] { return static_cast<double>(store_.output_bytes()); }, "what=\"outputs\"");
+    metrics_.gauge("alder_memory_bytes", [this] { return static_cast<double>(resident_bytes(worker_pid_)); }, "pool=\"worker\"");
+    metrics_.gauge("alder_memory_bytes", [] { return static_cast<double>(resident_bytes(getpid())); }, "pool=\"daemon\"");
     thread_ = std::thread([this] { run(); });
     sweeper_ = std::thread([this] { sweep_orphans(); });
     return {};

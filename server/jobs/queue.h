@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "server/jobs/store.h"
+#include "server/jobs/gate.h"
 #include "server/jobs/worker_process.h"
 
 namespace alder {
@@ -65,6 +66,8 @@ class JobQueue {
 
     /// Memory that the worker may have, in bytes.
     uint64_t memory_cap() const;
+    /// Holds the worker's tiles while somebody waits for a picture of the daemon.
+    Gate& gate() { return gate_; }
 
     pid_t worker_pid() const { return worker_pid_; }
     bool worker_fails() const { return worker_failures_ >= 3; }
@@ -96,6 +99,7 @@ class JobQueue {
     void changed();
     Job& edited(const std::string& id, Job& stored);
     void keep(Job& job);
+    void count(const Job& job);
     void ask_to_stop(const std::string& how);
 
     const ServiceOptions& options_;
@@ -116,6 +120,7 @@ class JobQueue {
     bool stopping_ = false, draining_ = false, warm_wanted_ = false, look_for_work_ = true, space_wanted_ = false;
     double clean_at_ = 0, space_at_ = 0, worker_retry_at_ = 0;
 
+    Gate gate_;
     WorkerHandle worker_;
     std::atomic<pid_t> worker_pid_{-1};
     std::atomic<int> worker_failures_{0};

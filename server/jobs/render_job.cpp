@@ -235,9 +235,11 @@ void RenderJob::render_frame(int frame) {
         }
         out_of_time = most_seconds > 0 && elapsed_ + since(begun_) >= most_seconds && r.samples() >= static_cast<uint64_t>(settings_.min_samples);
         if (r.samples() >= checkpoint_at && since(last_checkpoint_) >= context_.checkpoint_seconds && r.samples() < planned) {
+            const auto begun = Clock::now();
             put_away(r, frame, true);
+            const double spent = since(begun);
             checkpoint_at = r.samples() + std::max<uint64_t>(1, static_cast<uint64_t>(static_cast<double>(planned) * context_.checkpoint_fraction));
-            tell("checkpoint", {{"samples", r.samples()}});
+            tell("checkpoint", {{"samples", r.samples()}, {"seconds", spent}});
         }
     }
     render_seconds_ += since(begun_);

@@ -273,10 +273,11 @@ http::Response patch_render(Service& s, http::Request& request) {
             p.extra["state"] = state_name(job.state);
             throw p;
         }
+        const JobSettings settings = read_settings(job.request, d);
         struct stat info {};
         if (job.state == State::Succeeded && (job.expired || settings.frames.size() > 1 || ::stat(RenderFolder(s.options.data, job.id).checkpoint().c_str(), &info) != 0))
             throw Problem{"not-resumable", "its checkpoint is gone"};
-        job.cache_key = result_key(job.snapshot, job.request, read_settings(job.request, d));
+        job.cache_key = result_key(job.snapshot, job.request, settings);
         return true;
     });
     http::Response r = json_response(200, after.document());

@@ -20,6 +20,7 @@
 
 #include "nodes/texture/image_store.h"
 #include "server/jobs/channel.h"
+#include "server/jobs/gate.h"
 #include "server/jobs/render_job.h"
 #include "server/log.h"
 
@@ -63,6 +64,7 @@ class WorkerProcess {
         if (channel_.receive(message, true) != Channel::Got::Message || message.value("do", "") != "setup") return 2;
         start_log(message.value("log_level", "info"));
         limit_process(message);
+        if (message.value("gate", false)) use_gate(kGateDescriptor);
         data_ = message.at("data").get<std::string>();
         ImageStore::shared().set_budget(message.value("texture_mib", size_t{4096}) << 20);
         set_color_configuration(message.value("color_configuration", ""));

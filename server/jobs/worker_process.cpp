@@ -15,6 +15,8 @@
 
 #include <fmt/format.h>
 
+#include "server/jobs/gate.h"
+
 extern char** environ;
 
 namespace alder::jobs {
@@ -27,7 +29,7 @@ std::string WorkerHandle::default_program() {
     return (self.parent_path() / "alderd").string();
 }
 
-std::string WorkerHandle::start(const std::string& program, const nlohmann::json& setup) {
+std::string WorkerHandle::start(const std::string& program, const nlohmann::json& setup, int gate) {
     int pair[2], pipe_ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) return fmt::format("no socket pair: {}", std::strerror(errno));
     if (pipe2(pipe_ends, O_CLOEXEC | O_NONBLOCK) != 0) {
@@ -41,6 +43,7 @@ std::string WorkerHandle::start(const std::string& program, const nlohmann::json
     posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 2);
     posix_spawn_file_actions_adddup2(&actions, 2, 1);
     posix_spawn_file_actions_adddup2(&actions, pair[1], 3);   // clears close-on-exec even where it is 3 already
+    if (gate > kGateDescriptor) posix_spawn_file_actions_adddup2(&actions, gate, kGateDescriptor);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t none, defaults;

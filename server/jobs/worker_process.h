@@ -19,8 +19,8 @@ class WorkerHandle {
 
     bool alive() const { return pid_ > 0; }
     pid_t pid() const { return pid_; }
-    /// Starts it and sends `setup`. Empty, or a sentence saying why not.
-    std::string start(const std::string& program, const nlohmann::json& setup);
+    /// Starts it and sends `setup`. Empty, or a sentence saying why not. `gate`: a descriptor that it gets, or -1.
+    std::string start(const std::string& program, const nlohmann::json& setup, int gate = -1);
     bool send(const nlohmann::json& message) { return channel_ && channel_->send(message); }
     /// For poll(): -1 where it is not running.
     int channel_fd() const { return channel_ ? channel_->fd() : -1; }

@@ -33,10 +33,12 @@ void Turns::take(bool urgent) {
     freed_.wait(lock, [&] { return !busy_ && (urgent_.empty() ? patient_ : urgent_).front() == ticket; });
     (urgent ? urgent_ : patient_).pop_front();
     busy_ = true;
+    if (urgent) hold_.emplace(gate_);
 }
 
 void Turns::give() {
     const std::lock_guard lock(mutex_);
+    hold_.reset();
     busy_ = false;
     freed_.notify_all();
 }

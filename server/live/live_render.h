@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/jobs/gate.h"
 #include "server/live/frame.h"
 
 namespace alder {
@@ -26,6 +27,7 @@ namespace alder::live {
 /// Passes of several live renders take turns: first pictures before refinements, else who came first.
 class Turns {
   public:
+    explicit Turns(jobs::Gate* gate = nullptr) : gate_(gate) {}
     void take(bool urgent);
     void give();
 
@@ -35,6 +37,8 @@ class Turns {
     uint64_t next_ = 0;
     std::deque<uint64_t> urgent_, patient_;
     bool busy_ = false;
+    jobs::Gate* gate_;
+    std::optional<jobs::Gate::Hold> hold_;   ///< while the one whose turn it is makes a first picture
 };
 
 struct LiveSettings {

@@ -29,7 +29,7 @@ Problem busy(std::string detail) {
 
 }  // namespace
 
-LiveStore::LiveStore(Metrics& metrics) : metrics_(metrics), epoch_(http::time_sorted_id()) {}
+LiveStore::LiveStore(Metrics& metrics, jobs::Gate* gate) : metrics_(metrics), turns_(gate), epoch_(http::time_sorted_id()) {}
 
 std::shared_ptr<LiveEntry> LiveStore::add(std::shared_ptr<LiveEntry> entry, LiveSource source, const LiveSettings& settings) {
     std::vector<std::shared_ptr<LiveEntry>> forgotten;   // joined without the lock

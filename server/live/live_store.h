@@ -25,7 +25,8 @@ struct LiveEntry {
 
 class LiveStore {
   public:
-    explicit LiveStore(Metrics& metrics);
+    /// `gate`: null, or what is held while a first picture is made.
+    explicit LiveStore(Metrics& metrics, jobs::Gate* gate = nullptr);
 
     /// Throws queue-full where there are too many.
     std::shared_ptr<LiveEntry> add(std::shared_ptr<LiveEntry> entry, LiveSource source, const LiveSettings& settings);
