@@ -196,7 +196,7 @@ std::shared_ptr<const Mesh> make_block() {
 
 std::shared_ptr<const Mesh> make_drape() {
     constexpr int kLines = 161;
-    constexpr float kHalf = 1.3f, kRadius = 0.72f, kEdge = 78 * kDegree, kFolds = 9;
+    constexpr float kHalf = 1.6f, kRadius = 0.62f, kEdge = 78 * kDegree, kFolds = 11;
     Mesh m;
     m.name = "drape";
     Grid grid{{}, {}, false};
@@ -209,7 +209,7 @@ std::shared_ptr<const Mesh> make_drape() {
             const float x = (2 * u - 1) * kHalf, y = (2 * v - 1) * kHalf, s = std::hypot(x, y), turn = std::atan2(y, x);
             const float on_ball = std::min(s, kEdge * kRadius), angle = on_ball / kRadius, hangs = s - on_ball;
             // Below the ball the sheet has more cloth than way round: it goes into folds that grow downwards.
-            const float fold = 0.16f * smooth_step(hangs / 0.7f) * std::cos(kFolds * turn + 0.6f * std::sin(2 * turn + 1));
+            const float fold = 0.10f * smooth_step(hangs / 0.8f) * std::cos(kFolds * turn + 0.6f * std::sin(2 * turn + 1));
             const float r = kRadius * std::sin(angle) + hangs * (0.13f + 0.03f * std::sin(3 * turn)) + fold;
             const float z = kRadius * std::cos(angle) - 0.95f * hangs;
             m.positions.push_back({r * std::cos(turn), r * std::sin(turn), z});

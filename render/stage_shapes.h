@@ -17,7 +17,7 @@ std::shared_ptr<const Mesh> make_plate();
 
 /// Cube of side 1.5 around the origin, flat faces, uv 0..1 on each: a body for what fills it.
 std::shared_ptr<const Mesh> make_block();
-/// A square sheet laid over a ball of radius 0.72 around the origin, hanging in folds; uv 0..1.
+/// A square sheet laid over a ball of radius 0.62 around the origin, hanging in folds; uv 0..1.
 std::shared_ptr<const Mesh> make_drape();
 /// A swatch of hair over a bar of radius 0.42 along X at the origin, as hairdressers show it: slightly wavy threads, front and back.
 std::shared_ptr<const Mesh> make_hair_swatch();

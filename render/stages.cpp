@@ -168,7 +168,7 @@ Scene plane_stage() {
 Scene cloth_stage() {
     Scene s = make_studio();
     s.name = "cloth";
-    add(s, "drape", make_drape(), placed(0, 0, 1.12f), kSubject);
+    add(s, "drape", make_drape(), placed(0, 0, 1.33f), kSubject);
     aim_camera(s, {0, 0, 0.98f}, 5.9f, 20);
     return s;
 }

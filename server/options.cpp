@@ -47,6 +47,8 @@ int parse_options(int argc, char** argv, ServiceOptions& o) {
     app.add_option("--asset-ttl", o.asset_ttl, "seconds that assets are kept which no scene or render refers to")->envname("ALDER_ASSET_TTL")->check(CLI::Range(0.0, 1e9))->capture_default_str();
     app.add_option("--store-gib", o.store_gib, "all assets together; 0 = what the disk holds")->envname("ALDER_STORE_GIB")->check(CLI::Range(0, 1 << 20))->capture_default_str();
     app.add_option("--max-connections", o.limits.connections, "connections open at once")->envname("ALDER_MAX_CONNECTIONS")->check(CLI::Range(1, 65536))->capture_default_str();
+    // A flag goes before the environment, that before the file, that before the default: CLI11 has them in this order.
+    app.set_config("--config", "", "file of options: NAME = VALUE, a line each, names as here without the dashes")->envname("ALDER_CONFIG");
     app.set_version_flag("--version", "alderd " ALDER_VERSION);
     try {
         app.parse(argc, argv);
