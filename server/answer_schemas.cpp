@@ -34,7 +34,7 @@ constexpr const char* kSchemas = R"json({
     "points": {"description": "count, and fields by name: one value for all points or a list of count", "type": "object",
         "properties": {"count": {"type": "integer", "minimum": 1}}},
     "outputs": {"type": "array", "items": {"type": "string"}, "description": "NODE.OUTPUT, or NODE where it has one"},
-    "closure": {"description": "output, wo, and wi or sample or both", "type": "object"},
+    "closure": {"description": "output, wo, and wi or sample or both", "type": ["object", "null"]},
     "precision": {"type": "string", "enum": ["float", "double"]}, "stats": {"type": "boolean"}, "lenient": {"type": "boolean"}, "strict": {"type": "boolean"}}},
 "Evaluation": {"type": "object", "required": ["outputs"], "properties": {
     "outputs": {"type": "object", "additionalProperties": {"type": "array"}}, "closure": {"type": "object"}, "stats": {"type": "object"},

@@ -68,7 +68,7 @@ const std::vector<Operation>& operations() {
         {"DELETE", "/v1/assets/{digest}", "Removes an asset that nothing refers to", {{204, {}}}, {"not-found", "in-use"}},
         {"POST", "/v1/uploads", "Announces a large asset that comes in pieces", {{200, {kJson}, "Upload"}, {201, {kJson}, "Upload"}}, {"request-invalid", "storage"}, {describe_upload}},
         {"GET", "/v1/uploads/{id}", "How much of it is there", {{200, {kJson}, "Upload"}}, {"not-found"}},
-        {"PATCH", "/v1/uploads/{id}", "The next bytes", {{200, {kJson}, "Upload"}}, {"not-found", "upload-offset", "state-conflict", "digest-mismatch", "body-too-large", "storage"}, {}, nullptr, {{"application/offset+octet-stream", nullptr}}, {"Upload-Offset"}},
+        {"PATCH", "/v1/uploads/{id}", "The next bytes", {{200, {kJson}, "Upload"}}, {"not-found", "upload-offset", "state-conflict", "digest-mismatch", "body-too-large", "storage"}, {}, nullptr, {{"application/octet-stream", nullptr}}, {"Upload-Offset"}},
         {"DELETE", "/v1/uploads/{id}", "Gives it up", {{204, {}}}, {"not-found", "state-conflict"}},
         {"POST", "/v1/scenes", "A scene document, or the digest of a container that was uploaded", {{201, {kJson}, "Scene"}}, {"request-invalid", "scene-invalid", "graph-invalid", "asset-missing", "storage"}, {describe_container}, describe_lenient_query, {{kJson, "SceneDocument"}}},
         {"GET", "/v1/scenes/{id}", "What a scene holds", {{200, {kJson}, "Scene"}}, {"not-found"}},
@@ -128,7 +128,7 @@ json parameter_list(const Operation& o) {
     const std::string path = o.path;
     for (size_t at = 0; (at = path.find('{', at)) != std::string::npos; ++at) {
         const std::string name = path.substr(at + 1, path.find('}', at) - at - 1);
-        list.push_back({{"name", name}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}, {"minLength", 1}}}});
+        list.push_back({{"name", name}, {"in", "path"}, {"required", true}, {"schema", plain_text(1)}});
     }
     if (o.query)
         for (json& p : Query::describing(o.query)) list.push_back(std::move(p));

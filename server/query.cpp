@@ -21,6 +21,12 @@ bool parse(const std::string& text, T& value) {
 
 }  // namespace
 
+nlohmann::json plain_text(size_t least) {
+    nlohmann::json schema = {{"type", "string"}, {"pattern", "^[^\\u0000-\\u001f\\u007f]*$"}};
+    if (least > 0) schema["minLength"] = least;
+    return schema;
+}
+
 nlohmann::json Query::describing(const std::function<void(Query&)>& read) {
     nlohmann::json parameters = nlohmann::json::array();
     Query q(parameters);
@@ -71,7 +77,7 @@ std::string Query::choice(const std::string& name, std::string otherwise, const 
 
 std::vector<std::string> Query::list(const std::string& name) {
     std::vector<std::string> names;
-    if (const std::string* text = find(name, {{"type", "array"}, {"items", {{"type", "string"}}}}))
+    if (const std::string* text = find(name, {{"type", "array"}, {"items", plain_text()}}))
         for (size_t at = 0; at <= text->size();) {
             const size_t comma = std::min(text->find(',', at), text->size());
             if (comma > at) names.push_back(text->substr(at, comma - at));

@@ -12,13 +12,16 @@
 
 namespace alder {
 
+/// Schema of text in an address: control characters are refused wherever they come.
+nlohmann::json plain_text(size_t least = 0);
+
 class Query {
   public:
     explicit Query(const http::Request& request) : request_(&request), used_(request.query.size()) {}
     /// Parameter objects of OpenAPI for what `read` reads.
     static nlohmann::json describing(const std::function<void(Query&)>& read);
 
-    const std::string* find(const std::string& name, const nlohmann::json& schema = {{"type", "string"}}, bool required = false);
+    const std::string* find(const std::string& name, const nlohmann::json& schema = plain_text(), bool required = false);
     double number(const std::string& name, double otherwise, double low, double high);
     int64_t integer(const std::string& name, int64_t otherwise, int64_t low, int64_t high, bool required = false);
     std::string choice(const std::string& name, std::string otherwise, const std::vector<std::string>& choices);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr size_t kLiveMost = 64;
 constexpr int kStreamsMost = 256;
+constexpr int64_t kUnwatchedSeconds = 60;      // asleep, and first to go where there are too many
 constexpr int64_t kForgottenSeconds = 3600;   // a live render that nobody names so long is gone
 constexpr size_t kPatchedBytesMost = 8 << 20;
 
@@ -44,6 +45,15 @@ std::shared_ptr<LiveEntry> LiveStore::add(std::shared_ptr<LiveEntry> entry, Live
                 ++it;
             }
         if (stopping_) throw Problem{"draining", ""};
+        if (entries_.size() >= kLiveMost) {   // the one that nobody has looked at or named for longest gives way
+            auto oldest = entries_.end();
+            for (auto it = entries_.begin(); it != entries_.end(); ++it)
+                if (!it->second->render->has_readers() && now - it->second->used_at > kUnwatchedSeconds && (oldest == entries_.end() || it->second->used_at < oldest->second->used_at)) oldest = it;
+            if (oldest != entries_.end()) {
+                forgotten.push_back(std::move(oldest->second));
+                entries_.erase(oldest);
+            }
+        }
         if (entries_.size() >= kLiveMost) throw busy(fmt::format("there are {} live renders already", entries_.size()));
         const std::string id = "rnd_" + http::time_sorted_id();
         entry->used_at = now;

@@ -1,9 +1,11 @@
 """The lookdev page in Chromium: it draws the network, controls come from the schema, edits change the picture. Skipped where
 chromium and chromedriver are not installed (./dev test-page installs them)."""
+import hashlib
 import json
 import os
 import pathlib
 import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -17,6 +19,7 @@ SHOTS = os.environ.get("ALDER_SCREENSHOTS")   # a folder: pictures of the page a
 DONE = "const s = document.getElementById('status').dataset; return s.edit === String(arguments[0]) && s.edit"
 MEAN = """const c = document.getElementById('canvas'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
 let s = [0, 0, 0]; for (let i = 0; i < d.length; i += 4) for (let k = 0; k < 3; ++k) s[k] += d[i + k]; return s.map(x => 4 * x / d.length)"""
+SAME = "const mean = (() => { " + MEAN + " })(); return String(mean) %s String(arguments[0])"
 SET = """const e = document.querySelector(arguments[0]); e.value = arguments[1];
 e.dispatchEvent(new Event('input', {bubbles: true})); e.dispatchEvent(new Event('change', {bubbles: true}))"""
 
@@ -24,7 +27,8 @@ e.dispatchEvent(new Event('input', {bubbles: true})); e.dispatchEvent(new Event(
 class PageFilesTest(unittest.TestCase):
     def test_files_have_types_tags_and_a_policy_and_every_example_renders(self):
         with Daemon(BUILD) as daemon:
-            for path, kind in (("/ui", "text/html"), ("/ui/app.js", "text/javascript"), ("/ui/style.css", "text/css"), ("/ui/icon.svg", "image/svg+xml")):
+            self.assertEqual(daemon.ask("GET", "/")[0], 200, "it leads to the page")
+            for path, kind in (("/ui", "text/html"), ("/ui/app.js", "text/javascript"), ("/ui/live.js", "text/javascript"), ("/ui/style.css", "text/css"), ("/ui/icon.svg", "image/svg+xml")):
                 status, headers, _ = daemon.ask("GET", path)
                 self.assertEqual(status, 200, path)
                 self.assertTrue(headers["Content-Type"].startswith(kind), (path, headers["Content-Type"]))
@@ -55,17 +59,26 @@ class PageTest(unittest.TestCase):
 
     def open(self):
         self.browser.go(self.daemon.url + "/ui")
-        self.browser.wait(DONE, 1)
+        self.browser.wait("return Number(document.getElementById('status').dataset.shown) >= 1")
         self.edits = 1
         self.browser.messages()   # of the test before
-        self.act("document.getElementById('size').value = '128'; document.getElementById('samples').value = '16';"
-                 "document.getElementById('size').dispatchEvent(new Event('change'))")
+        self.act("document.getElementById('size').value = '128'; document.getElementById('size').dispatchEvent(new Event('change'))")
+        self.act("document.getElementById('samples').value = '16'; document.getElementById('samples').dispatchEvent(new Event('change'))")
 
     def act(self, code, *arguments):
         """Does one edit and waits for its last picture."""
         self.browser.script(code, *arguments)
         self.edits += 1
         self.browser.wait(DONE, self.edits)
+
+    def turn(self, value):
+        self.browser.script("document.querySelectorAll('#mixer input[type=range]').forEach(e => { e.value = arguments[0]; e.dispatchEvent(new Event('input')) })", value)
+        self.edits += 4
+        self.browser.wait(DONE, self.edits)
+
+    def rays(self):
+        text = self.daemon.ask("GET", "/metrics")[2].decode()
+        return sum(float(line.split()[-1]) for line in text.splitlines() if line.startswith("alder_live_passes_total"))
 
     def shot(self, name):
         if SHOTS:
@@ -96,28 +109,38 @@ class PageTest(unittest.TestCase):
     def test_layers_light_groups_pixels_and_comparison(self):
         self.open()
         self.act("const b = document.getElementById('with-layers'); b.checked = true; b.dispatchEvent(new Event('change'))")
+        self.browser.wait("return document.getElementById('layer').options.length > 8")
         layers = self.browser.script("return [...document.getElementById('layer').options].map(o => o.value)")
         for name in ("", "N", "direct_diffuse", "light_group_default"):
             self.assertIn(name, layers)
         beauty = self.browser.script(MEAN)
         self.browser.script(SET, "#layer", "N")
-        self.assertNotEqual(self.browser.script(MEAN), beauty)
+        self.browser.wait(SAME % "!==", beauty)
         self.browser.script(SET, "#layer", "")
-        self.assertEqual(self.browser.script(MEAN), beauty)
+        self.browser.wait(SAME % "===", beauty)
         self.browser.script(SET, "#exposure", "-6")
         self.assertLess(sum(self.browser.script(MEAN)), 0.5 * sum(beauty))
         self.browser.script(SET, "#exposure", "0")
-        # Sliders of the light groups: all of them at 0 leave black.
-        sliders = self.browser.script("return document.querySelectorAll('#mixer input').length")
-        if sliders:
-            self.browser.script("document.querySelectorAll('#mixer input').forEach(e => { e.value = 0; e.dispatchEvent(new Event('input')) })")
-            self.assertLess(max(self.browser.script(MEAN)), 1)
-            self.browser.script("document.querySelectorAll('#mixer input').forEach(e => { e.value = 1; e.dispatchEvent(new Event('input')) })")
+        # Sliders of the light groups: all of them at 0 leave black, and back at 1 what was there; no ray is traced for it.
+        names = self.browser.script("return [...document.querySelectorAll('#mixer label > span')].map(e => e.textContent)")
+        self.assertEqual(names, ["key", "fill", "rim", "world"])
+        rays = self.rays()
+        self.turn(0)
+        self.assertLess(max(self.browser.script(MEAN)), 1)
+        self.turn(1)
+        self.assertEqual(self.browser.script(MEAN), beauty)
+        self.assertEqual(self.rays(), rays)
         self.browser.script("const c = document.getElementById('canvas').getBoundingClientRect(); document.getElementById('frame').dispatchEvent("
                             "new PointerEvent('pointermove', {clientX: c.left + c.width / 2, clientY: c.top + c.height / 2}))")
         rows = self.browser.script("return [...document.querySelectorAll('#pixel th')].map(t => t.textContent)")
         self.assertEqual(rows[0], "beauty at 64, 64")
-        self.assertEqual(len(rows), len(layers))
+        self.browser.wait("return document.querySelectorAll('#pixel th').length > arguments[0]", len(layers))   # the pointer rests: all layers
+        self.browser.script("const c = document.getElementById('canvas').getBoundingClientRect(); document.getElementById('frame').dispatchEvent("
+                            "new MouseEvent('click', {clientX: c.left + c.width / 2, clientY: c.top + c.height / 2}))")
+        self.browser.wait("return document.getElementById('pixel').dataset.pinned")
+        text = self.browser.script("return document.getElementById('pixel').innerText")
+        self.assertIn("nodes at the first surface", text)
+        self.assertIn("closures", text)
         self.shot("layers")
         self.browser.script("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 'a', bubbles: true}))")
         self.act(SET, "#stage", "plane")
@@ -137,9 +160,26 @@ class PageTest(unittest.TestCase):
         self.edits += 1
         self.browser.wait(DONE, self.edits)
         text = self.browser.script("return document.getElementById('errors').textContent")
-        self.assertIn("/graph/nodes/s/params/diffuseColr", text)
+        self.assertIn("/nodes/s/params/diffuseColr", text)
         self.assertIn("diffuseColor", text)
         self.assertEqual(self.browser.script(MEAN), before)
+
+    def test_a_token_is_asked_for_and_kept_in_a_cookie(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tokens = os.path.join(folder, "tokens")
+            with open(tokens, "w") as f:
+                f.write("page:read,render,edit:" + hashlib.sha256(b"open sesame").hexdigest() + "\n")
+            with Daemon(BUILD, "--token-file", tokens) as daemon:
+                self.browser.go(daemon.url + "/ui")
+                self.browser.wait("return document.getElementById('login').open")
+                self.browser.script("document.getElementById('token').value = 'open sesame'; document.querySelector('#login button').click()")
+                self.browser.wait("return Number(document.getElementById('status').dataset.shown) >= 1")
+                self.assertEqual(self.browser.script("return document.cookie"), "", "no script reads it")
+                self.browser.go(daemon.url + "/ui")
+                self.browser.wait("return Number(document.getElementById('status').dataset.shown) >= 1")
+                self.assertFalse(self.browser.script("return document.getElementById('login').open"))
+        self.browser.go(self.daemon.url + "/livez")
+        self.browser.messages()
 
     def test_the_keyboard_alone_reaches_nodes_and_controls(self):
         self.open()
@@ -157,7 +197,7 @@ class PageTest(unittest.TestCase):
     def test_a_narrow_screen_has_one_column(self):
         with Browser(420, 900) as narrow:
             narrow.go(self.daemon.url + "/ui")
-            narrow.wait(DONE, 1)
+            narrow.wait("return Number(document.getElementById('status').dataset.shown) >= 1")
             wide = narrow.script("return document.documentElement.scrollWidth - document.documentElement.clientWidth")
             self.assertLessEqual(wide, 0)
             if SHOTS:
