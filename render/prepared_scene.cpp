@@ -138,6 +138,12 @@ bool lights_follow_camera(const PreparedScene& p) {
            std::any_of(p.materials.begin(), p.materials.end(), [](const auto& m) { return reads_camera(m->emission); });
 }
 
+/// Lights are the same where materials that emit are.
+bool same_emission(const PreparedScene& a, const PreparedScene& b) {
+    return std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(), b.materials.end(),
+                      [](const auto& x, const auto& y) { return x == y || (!x->emission && !y->emission); });
+}
+
 /// `base`: null, or the scene before an edit that left the parts in `same` alone.
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const EvalContext& context, const PreparedScene* base, const SameParts& same, Diagnostics& d) {
     check(*scene, d);
@@ -184,7 +190,7 @@ std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene,
     p->world = same_world ? base->world : build_world(scene->world, *p->surfaces, camera, context, d);
     if (!d.ok()) return nullptr;
     finish(*p);
-    if (same_world && same.lights && p->surfaces == base->surfaces && p->materials == base->materials && (same.camera || !lights_follow_camera(*base))) {
+    if (same_world && same.lights && p->surfaces == base->surfaces && same_emission(*base, *p) && (same.camera || !lights_follow_camera(*base))) {
         p->light_programs = base->light_programs;   // the table points at them
         p->lights = base->lights;
     } else {

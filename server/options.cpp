@@ -1,10 +1,12 @@
-// Options of the daemon: flags, ALDER_* environment variables, defaults.
+// Options of the daemon: a flag goes before an ALDER_* environment variable, that before the file of --config, that before the default.
 #include "server/options.h"
 
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <set>
 
 #include <CLI/CLI.hpp>
 
@@ -15,6 +17,41 @@ std::string default_data_folder() {
     if (const char* home = std::getenv("HOME"); home && *home) return std::string(home) + "/.local/share/alder";
     return "/var/lib/alder";
 }
+
+namespace {
+
+std::string trimmed(std::string text) {
+    const auto end = text.find_last_not_of(" \t\r");
+    text.erase(end == std::string::npos ? 0 : end + 1);
+    text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
+    return text;
+}
+
+/// Options of a file, for what neither flags nor the environment have said. Throws CLI::ParseError with the line's number.
+void read_file(CLI::App& app, const std::string& path) {
+    std::ifstream file(path);
+    if (!file) throw CLI::FileError("the file of options '" + path + "' cannot be read");
+    std::set<CLI::Option*> given, from_file;
+    for (CLI::Option* o : app.get_options())
+        if (o->count() > 0) given.insert(o);
+    std::string line;
+    for (int number = 1; std::getline(file, line); ++number) {
+        line = trimmed(line);
+        if (line.empty() || line[0] == '#') continue;
+        const size_t equals = line.find('=');
+        const std::string name = trimmed(line.substr(0, equals));
+        std::string value = equals == std::string::npos ? "" : trimmed(line.substr(equals + 1));
+        if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
+        CLI::Option* const option = name == "config" || name == "help" || name == "version" ? nullptr : app.get_option_no_throw("--" + name);
+        if (!option || equals == std::string::npos) throw CLI::FileError(path + ":" + std::to_string(number) + ": expected NAME = VALUE, with a name of alderd --help");
+        if (given.count(option)) continue;
+        option->add_result(value);   // of a repeatable one, another
+        from_file.insert(option);
+    }
+    for (CLI::Option* o : from_file) o->run_callback();
+}
+
+}  // namespace
 
 int parse_options(int argc, char** argv, ServiceOptions& o) {
     CLI::App app{"alderd: renders graphs and scenes over HTTP"};
@@ -47,11 +84,12 @@ int parse_options(int argc, char** argv, ServiceOptions& o) {
     app.add_option("--asset-ttl", o.asset_ttl, "seconds that assets are kept which no scene or render refers to")->envname("ALDER_ASSET_TTL")->check(CLI::Range(0.0, 1e9))->capture_default_str();
     app.add_option("--store-gib", o.store_gib, "all assets together; 0 = what the disk holds")->envname("ALDER_STORE_GIB")->check(CLI::Range(0, 1 << 20))->capture_default_str();
     app.add_option("--max-connections", o.limits.connections, "connections open at once")->envname("ALDER_MAX_CONNECTIONS")->check(CLI::Range(1, 65536))->capture_default_str();
-    // A flag goes before the environment, that before the file, that before the default: CLI11 has them in this order.
-    app.set_config("--config", "", "file of options: NAME = VALUE, a line each, names as here without the dashes")->envname("ALDER_CONFIG");
+    std::string file;
+    app.add_option("--config", file, "file of options: NAME = VALUE, a line each, names as here without the dashes")->envname("ALDER_CONFIG");
     app.set_version_flag("--version", "alderd " ALDER_VERSION);
     try {
         app.parse(argc, argv);
+        if (!file.empty()) read_file(app, file);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0) return app.exit(e);
         std::fprintf(stderr, "alderd: %s\n", e.what());

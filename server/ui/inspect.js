@@ -28,11 +28,12 @@ export function pixelRows(pixel, choose) {
   for (const [name, value] of Object.entries(pixel.layers)) rows.push(row(name === "rgba" ? "beauty" : name, cells(value)));
   const explain = pixel.explain;
   if (!explain) return rows;
-  const part = (title) => {
-    const tr = document.createElement("tr"), th = Object.assign(document.createElement("th"), { textContent: title, colSpan: 5, className: "part" });
-    tr.append(th);
-    rows.push(tr);
+  const wide = (text, className) => {
+    const tr = document.createElement("tr");
+    tr.append(Object.assign(document.createElement("th"), { textContent: text, colSpan: 5, className }));
+    return tr;
   };
+  const part = (title) => rows.push(wide(title, "part"));
   if (!explain.hit) return part("the middle of the pixel meets no surface"), rows;
   part("nodes at the first surface");
   for (const [name, node] of Object.entries(explain.nodes))
@@ -40,6 +41,6 @@ export function pixelRows(pixel, choose) {
   part("closures");
   for (const c of explain.closures) rows.push(row(`${c.node} · ${c.closure}`, cells(c.weight), () => choose(c.node)));
   if (explain.skipped.length) part("not run");
-  for (const s of explain.skipped) rows.push(row(s, []));
+  for (const s of explain.skipped) rows.push(wide(s, ""));
   return rows;
 }

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs/examples"))
@@ -87,11 +88,16 @@ class AccessTest(unittest.TestCase):
                 plain.getresponse()
             with self.assertRaises(ssl.SSLError):   # what is older is refused
                 old = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-                old.maximum_version = ssl.TLSVersion.TLSv1_1
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", DeprecationWarning)
+                    old.maximum_version = ssl.TLSVersion.TLSv1_1
                 old.check_hostname, old.verify_mode = False, ssl.CERT_NONE
                 http.client.HTTPSConnection(host, int(port), context=old, timeout=30).connect()
+            c.close()
+            c = http.client.HTTPSConnection(host, int(port), context=trust, timeout=30)
             c.request("GET", "/livez")
             self.assertEqual(c.getresponse().read(), b"ok\n")
+            c.close()
 
     def test_tls_files_that_cannot_be_used_are_named_at_the_start(self):
         for more in (["--tls-cert", "/nowhere.pem", "--tls-key", "/nowhere.pem"], ["--tls-cert", "/nowhere.pem"]):
@@ -102,7 +108,7 @@ class AccessTest(unittest.TestCase):
     def test_a_flag_goes_before_the_environment_and_that_before_the_file(self):
         config = os.path.join(self.folder, "alderd.toml")
         with open(config, "w") as f:
-            f.write('max-body = 3000\nqueue = 7\n')
+            f.write('# limits\nmax-body = 3000\nlog-level = "warn"\nasset-root = %s\nasset-root = /tmp\n' % self.folder)
         big = {"graph": {}, "x": 5000 * "x"}
 
         def limit(environment, *flags):
@@ -117,6 +123,11 @@ class AccessTest(unittest.TestCase):
         self.assertEqual(limit({}), 3000, "the file")
         self.assertEqual(limit({"ALDER_MAX_BODY": "2000"}), 2000, "the environment goes before the file")
         self.assertEqual(limit({"ALDER_MAX_BODY": "2000"}, "--max-body", "4000"), 4000, "a flag before both")
+        for wrong in ("max-bodi = 1\n", "queue\n", "queue = many\n"):
+            with open(config, "w") as f:
+                f.write("\n" + wrong)
+            done = subprocess.run([BUILD + "/alderd", "--config", config, "--data", self.folder + "/data"], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 2, done.stderr)
 
 
 if __name__ == "__main__":

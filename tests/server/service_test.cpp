@@ -21,7 +21,8 @@ TEST_F(ServiceTest, health_pages_answer) {
     EXPECT_TRUE(json_of(ask("GET", "/readyz"))["ready"].get<bool>());
     EXPECT_EQ(json_of(ask("GET", "/v1/version"))["version"], ALDER_VERSION);
     EXPECT_NE(build_id(), "unknown");
-    const auto home = ask("GET", "/");
+    EXPECT_EQ(ask("GET", "/").headers.at("location"), "/ui");
+    const auto home = ask("GET", "/about");
     EXPECT_EQ(home.status, 200);
     EXPECT_EQ(home.headers.at("content-type"), "text/html; charset=utf-8");
     EXPECT_EQ(home.headers.at("alder-request-id").size(), 26u);
