@@ -132,7 +132,12 @@ json parameter_list(const Operation& o) {
     }
     if (o.query)
         for (json& p : Query::describing(o.query)) list.push_back(std::move(p));
-    for (const std::string name : o.headers) list.push_back({{"name", name}, {"in", "header"}, {"required", name == "Upload-Offset"}, {"schema", {{"type", "string"}}}});
+    for (const std::string name : o.headers) {
+        json schema = {{"type", "string"}};
+        if (name == "Upload-Offset") schema = {{"type", "integer"}, {"minimum", 0}};
+        if (name == "Idempotency-Key") schema["pattern"] = "^[!-~]([ -~]{0,253}[!-~])?$";
+        list.push_back({{"name", name}, {"in", "header"}, {"required", name == "Upload-Offset"}, {"schema", std::move(schema)}});
+    }
     return list;
 }
 

@@ -13,7 +13,8 @@ import urllib.request
 class Daemon:
     """with Daemon("build") as d: d.get("/livez")"""
 
-    def __init__(self, build, *options):
+    def __init__(self, build, *options, data=None):
+        self.data = data   # else a folder that goes with it
         self.program = str(pathlib.Path(build) / "alderd")
         self.options = list(options)
 
@@ -23,7 +24,7 @@ class Daemon:
         self.log = open(os.path.join(self.folder, "log"), "wb")
         self.started = time.perf_counter()
         self.process = subprocess.Popen(
-            [self.program, "--listen", "127.0.0.1:0", "--data", os.path.join(self.folder, "data"), "--port-file", port_file, *self.options],
+            [self.program, "--listen", "127.0.0.1:0", "--data", self.data or os.path.join(self.folder, "data"), "--port-file", port_file, *self.options],
             stderr=self.log)
         while not os.path.exists(port_file):
             if self.process.poll() is not None:

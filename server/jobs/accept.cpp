@@ -15,6 +15,7 @@
 #include "server/build_id.h"
 #include "server/digest.h"
 #include "server/http/door.h"
+#include "server/json_patch.h"
 #include "server/jobs/files.h"
 #include "server/scene_source.h"
 
@@ -26,12 +27,9 @@ bool is_below(const std::string& path, const std::string& folder) { return path 
 /// Applies the operations one by one, so that a fault has its place.
 void apply_operations(nlohmann::json& document, const std::vector<std::pair<size_t, nlohmann::json>>& operations, Diagnostics& d) {
     for (const auto& [index, operation] : operations) {
-        try {
-            document = document.patch(nlohmann::json::array({operation}));
-        } catch (const nlohmann::json::exception&) {
-            d.errors.push_back({fmt::format("/overrides/{}/path", index), "unknown-value", operation.value("path", ""), "a place that is there", {}});
-            return;
-        }
+        if (apply_operation(document, operation)) continue;
+        d.errors.push_back({fmt::format("/overrides/{}/path", index), "unknown-value", operation.value("path", ""), "a place that is there", {}});
+        return;
     }
 }
 

@@ -9,6 +9,7 @@
 #include "render/prepared_scene.h"
 #include "server/errors.h"
 #include "server/http/door.h"
+#include "server/json_patch.h"
 #include "server/members.h"
 
 namespace alder::live {
@@ -132,17 +133,17 @@ nlohmann::json patched(const http::Request& request, nlohmann::json current, con
         return current;
     }
     if (!body.is_array() || body.size() > 1000) throw Problem{"request-invalid", "a JSON Patch is an array of at most 1000 operations"};
-    for (size_t i = 0; i < body.size(); ++i) try {
-            current = current.patch(nlohmann::json::array({body[i]}));
-            // Copies may double the document each time.
-            if (body[i].value("op", "") == "copy" && current.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).size() > kPatchedBytesMost)
-                throw Problem{"limit-exceeded", fmt::format("operation {} makes the document larger than {} bytes", i, kPatchedBytesMost)};
-        } catch (const nlohmann::json::exception&) {
+    for (size_t i = 0; i < body.size(); ++i) {
+        if (!apply_operation(current, body[i])) {
             Problem p{"request-invalid", fmt::format("operation {} of the patch cannot be applied", i)};
             p.faults.errors.push_back({fmt::format("/{}", i), "patch-failed", brief(body[i]),
                                        "an operation of RFC 6902 whose path exists", {}});
             throw p;
         }
+        // Copies may double the document each time.
+        if (body[i].value("op", "") == "copy" && current.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).size() > kPatchedBytesMost)
+            throw Problem{"limit-exceeded", fmt::format("operation {} makes the document larger than {} bytes", i, kPatchedBytesMost)};
+    }
     return current;
 }
 

@@ -13,14 +13,20 @@
 #include <gtest/gtest.h>
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "graph/json_text.h"
+#include "nodes/texture/image_store.h"
 #include "render/evaluate.h"
 #include "render/image/exr.h"
+#include "render/image/view.h"
 #include "render/import/scene_document.h"
+#include "server/errors.h"
+#include "server/http/connection.h"
 #include "server/http/head.h"
 #include "server/jobs/settings.h"
+#include "server/live/live_store.h"
 
 namespace alder {
 namespace {
@@ -102,6 +108,7 @@ class FuzzTest : public ::testing::Test {
         const char* seconds = std::getenv("ALDER_FUZZ_SECONDS");
         const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds ? std::atof(seconds) : 0);
         current = ::testing::TempDir() + "alder_fuzz_" + target + "_" + std::to_string(getpid());
+        if (shown) munmap(shown, kShownBytes);
         map_file();
         Random random(20240607);
         for (const Bytes& seed : seeds) take(seed);
@@ -146,6 +153,95 @@ TEST_F(FuzzTest, http_heads) {
         std::string out;
         http::percent_decode(input, true, out);
     });
+}
+
+TEST_F(FuzzTest, http_requests_with_bodies) {
+    const std::vector<Bytes> seeds = {
+        "POST / HTTP/1.1\r\nHost: h\r\nContent-Length: 5\r\n\r\nhelloGET / HTTP/1.1\r\nHost: h\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n5;x=y\r\nhello\r\n10\r\n0123456789abcdef\r\n0\r\nTrailer: 1\r\n\r\nGET / HTTP/1.1\r\n\r\n",
+        "PUT / HTTP/1.1\r\nHost: h\r\nExpect: 100-continue\r\nContent-Length: 3\r\n\r\nabc"};
+    http::Limits limits;
+    limits.idle_seconds = limits.head_seconds = limits.body_grace_seconds = 0.2;   // the peer has closed: nothing is waited for
+    run("http", seeds, 3000, [&](const Bytes& input) {
+        int pair[2];
+        ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair), 0);
+        (void)!::write(pair[0], input.data(), std::min<size_t>(input.size(), 100000));
+        ::shutdown(pair[0], SHUT_WR);
+        constexpr uint64_t kMost = 1 << 16;
+        {
+            http::Connection connection(pair[1], limits);
+            for (int i = 0; i < 8; ++i) {
+                http::Head head;
+                std::optional<http::Fault> fault;
+                if (!connection.next(head, fault)) break;
+                connection.present(head, fault.has_value());
+                connection.allow_body(kMost);
+                char piece[1000];
+                uint64_t total = 0;
+                for (ssize_t n; (n = connection.read(piece, sizeof piece)) > 0;) total += static_cast<uint64_t>(n);
+                EXPECT_LE(total, kMost + 100) << "with the head that the library is shown";
+                if (fault || !connection.body_finished()) break;
+            }
+        }
+        ::close(pair[0]);
+        ::close(pair[1]);
+    });
+}
+
+TEST_F(FuzzTest, patches) {
+    const std::vector<Bytes> seeds = {R"({"document":{"a":{"b":[1,2,3]},"c":"d"},"patch":[{"op":"replace","path":"/a/b/1","value":7},{"op":"move","from":"/c","path":"/a/e"},{"op":"copy","from":"/a","path":"/x"}]})",
+                                      R"({"document":{"nodes":{"s":{"params":{"x":1}}}},"patch":{"nodes":{"s":{"params":{"x":null,"y":[1]}}}}})"};
+    run("patch", seeds, 5000, [](const Bytes& input) {
+        const auto json = parsed(input);
+        if (!json || !json->is_object() || !json->contains("patch")) return;
+        const nlohmann::json document = json->value("document", nlohmann::json());
+        http::Request request;
+        for (const char* type : {"application/merge-patch+json", "application/json-patch+json"}) {
+            request.headers = {{"content-type", type}};
+            try {
+                live::patched(request, document, (*json)["patch"]);
+            } catch (const Problem& p) {
+                EXPECT_TRUE(find_error(p.type)) << p.type;
+            }
+        }
+    });
+}
+
+/// Textures as they are uploaded: whatever they hold, they are pictures or a fault.
+TEST_F(FuzzTest, image_files) {
+    Image image;
+    image.width = image.full_width = 7;
+    image.height = image.full_height = 5;
+    image.layers.push_back({"", {"R", "G", "B", "A"}, false, std::vector<std::vector<float>>(4, std::vector<float>(35, 0.4f))});
+    std::string error;
+    std::vector<std::pair<const char*, Bytes>> seeds;
+    const auto add = [&](const char* extension, const std::vector<uint8_t>& bytes) {
+        ASSERT_FALSE(bytes.empty()) << extension << error;
+        seeds.emplace_back(extension, Bytes(bytes.begin(), bytes.end()));
+    };
+    add(".png", encode_png(image, View{}, error));
+    add(".jpg", encode_jpeg(image, View{}, error));
+    add(".exr", encode_exr(image, {}, error));
+    Bytes hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n";
+    for (int row = 0; row < 4; ++row) {   // run lengths: one row of runs, of literals
+        hdr += Bytes("\2\2\0\10", 4);
+        for (int c = 0; c < 4; ++c) hdr += row % 2 ? Bytes("\x88\x40", 2) : Bytes("\x08\1\2\3\4\5\6\7\x08", 9);
+    }
+    seeds.emplace_back(".hdr", hdr);
+    for (const auto& [extension, seed] : seeds) {
+        const std::string stem = ::testing::TempDir() + "alder_fuzz_image_" + std::to_string(getpid()) + "_";
+        int count = 0;
+        run(extension + 1, {seed}, 300, [&, extension = extension](const Bytes& input) {
+            const std::string path = stem + std::to_string(count++) + extension;   // a name of its own: files are found again by name
+            std::ofstream(path, std::ios::binary) << input;
+            const auto stored = ImageStore::shared().open({path, "", AlphaMode::Straight});
+            ASSERT_TRUE(stored);
+            EXPECT_TRUE(stored->readable() || !stored->fault.empty()) << path;
+            EXPECT_LE(stored->width, StoredImage::kLargestSide);
+            std::filesystem::remove(path);
+        });
+        std::filesystem::remove(current);
+    }
 }
 
 TEST_F(FuzzTest, graphs) {

@@ -103,6 +103,18 @@ class SceneEditTest(unittest.TestCase):
         edit = self.ask("PATCH", at, operations, {"Content-Type": "application/json-patch+json", "If-Match": scene["etag"]})[1]
         self.assertEqual(edit["scene"], {"revision": 2, "etag": '"2"'})
 
+    def test_patches_that_cannot_be_applied_are_named(self):
+        """An addition below something that holds nothing once ended the daemon."""
+        at = "/v1/scenes/" + self.create(two_things())["id"]
+        headers = {"Content-Type": "application/json-patch+json", "If-Match": "*"}
+        for operation in ({"op": "add", "path": "/alder_scene/x", "value": 1}, {"op": "copy", "from": "/meshes", "path": "/cameras/cam/fov_degrees/x"},
+                          {"op": "move", "from": "/lights", "path": "/lights/l/x"}, {"op": "remove", "path": "/nothing"}, {"op": "jump", "path": ""}, 7, {"op": 3},
+                          {"op": "add", "path": "no pointer", "value": 1}):
+            problem = self.ask("PATCH", at, [operation], headers, expect=422)[1]
+            self.assertEqual((problem["type"], problem["errors"][0]["pointer"]), ("/problems/request-invalid", "/0"), operation)
+        override = [{"op": "add", "path": "/settings/samples/x", "value": 1}]
+        self.ask("POST", "/v1/renders", {"scene": at.rsplit("/", 1)[1], "overrides": override}, expect=422)
+
     def test_a_live_render_follows_and_says_which_edit_it_shows(self):
         id = self.create(two_things())["id"]
         live = self.ask("POST", "/v1/renders", {"mode": "live", "scene": id, "max_samples": 4}, expect=201)[1]
