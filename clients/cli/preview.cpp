@@ -82,7 +82,7 @@ Run add_preview(CLI::App& app) {
     CLI::App* c = app.add_subcommand("preview", "a graph on a preview stage");
     c->add_option("GRAPH", o->graph, "a graph document; - is standard input")->required();
     c->add_option("-o,--output", o->output, "OUT.png, .jpg or .exr; default: the graph's name with .png");
-    c->add_option("--stage", o->stage, "shaderball, sphere or plane")->capture_default_str();
+    c->add_option("--stage", o->stage, "shaderball, sphere, plane, cloth, hair or volume")->capture_default_str();
     c->add_option("--size", o->size, "pixels a side")->check(CLI::Range(1, 16384))->capture_default_str();
     c->add_option("--samples", o->samples, "samples a pixel")->check(CLI::Range(1, 1 << 20))->capture_default_str();
     c->add_option("--seconds", o->seconds, "stop with the best image after so long")->check(CLI::Range(0.001, 1e7));
