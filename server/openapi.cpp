@@ -151,7 +151,8 @@ json body_of(const Operation& o) {
     }
     if (one_of.size() == 1) content[kJson] = {{"schema", one_of[0]}};
     if (one_of.size() > 1) content[kJson] = {{"schema", {{"anyOf", one_of}}}};
-    return {{"required", true}, {"content", std::move(content)}};
+    // Of bytes there may be none.
+    return {{"required", content.contains(kJson) || content.contains("application/merge-patch+json")}, {"content", std::move(content)}};
 }
 
 json answers_of(const Operation& o, bool changes, unsigned scope) {
