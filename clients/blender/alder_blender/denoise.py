@@ -30,6 +30,12 @@ def find_library(folders=()):
     return None
 
 
+def blender_folders(bpy):
+    """Where Blender, or Blender as a Python module, keeps its libraries."""
+    places = [os.path.dirname(p) for p in (bpy.app.binary_path, getattr(bpy, "__file__", "") or "") if p]
+    return [os.path.join(p, f) for p in places for f in ("lib", "", "../Resources/lib", "blender.shared")]
+
+
 def _declared(lib):
     handle, text = ctypes.c_void_p, ctypes.c_char_p
     for name, result, arguments in (

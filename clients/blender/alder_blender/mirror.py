@@ -100,7 +100,7 @@ class Mirror:
         self._sent = None
         self._scene = self._render = None
         self._stream = None
-        self._closing = False
+        self._closing = self._busy = False
         self._patches_scenes = True    # until the daemon says otherwise
         self._edits = {}               # token -> when its edit was wanted
         self._wanted_at = 0.0
@@ -131,7 +131,7 @@ class Mirror:
     def wait(self, seconds=10.0):
         """Until a picture shows all edits; False where it does not in time."""
         with self._condition:
-            return self._condition.wait_for(lambda: self._wanted is None and not self._edits and self.picture is not None or self.error, seconds) and not self.error
+            return self._condition.wait_for(lambda: self._wanted is None and not self._busy and not self._edits and self.picture is not None or self.error, seconds) and not self.error
 
     def close(self):
         with self._condition:
@@ -152,6 +152,7 @@ class Mirror:
                 document, self._wanted, since = self._wanted, None, self._wanted_at
                 pieces, self._pieces = self._pieces, {}
                 before, size = size, (self._size, self._max_samples)
+                self._busy = True
             try:
                 if self.client is None:
                     self.client = self._make_client()
@@ -167,7 +168,9 @@ class Mirror:
                     self._pieces = {**pieces, **self._pieces}   # what was not sent is sent next time
                     self.error = str(e) or type(e).__name__
                     self._edits.clear()
-                    self._condition.notify_all()
+            with self._condition:
+                self._busy = False
+                self._condition.notify_all()
         self._forget(self._render, self._scene)
 
     def _ask(self, method, path, body, **headers):
@@ -176,8 +179,6 @@ class Mirror:
     def _bring(self, document, since):
         patch = difference(self._sent, document) if self._sent is not None else document
         if patch is NOTHING:
-            with self._condition:
-                self._condition.notify_all()
             return
         if self._sent is None or not self._edit(patch, document, since):
             self._replace(document, since)
@@ -261,10 +262,10 @@ class Mirror:
                     return
                 for picture in tiles.read(stream):
                     self._take(render, picture)
-                return   # the render has ended
-            except (self.alder.AlderError, OSError, ValueError, AttributeError):
-                if not self._closing and render == self._render:
-                    time.sleep(0.2)
+            except (self.alder.AlderError, OSError, ValueError, AttributeError, EOFError):
+                pass   # the connection broke, or the render ended and another one is coming
+            if not self._closing and render == self._render:
+                time.sleep(0.2)
 
     def _take(self, render, picture):
         now = time.perf_counter()

@@ -9,7 +9,7 @@ import bpy
 
 from . import objects, values
 from .mirror import Box, Mirror
-from .report import ExportError
+from .report import ExportError, Report
 from .scene import SceneExporter
 
 VIEW = "view"   # name of the viewport's camera in the document
@@ -172,6 +172,42 @@ def projected(camera, matrix, window, size, clip_start, clip_end):
         out["shift"] = values.numbers(shift)
     out["transform"] = values.numbers([v for r in rows[:3] for v in r])
     return out
+
+
+def redraw_when_new(engine):
+    """A timer that asks for a redraw when there is something new to draw; it ends with its viewport."""
+    seen = [None, None]
+
+    def look():
+        try:
+            session = engine.session
+            if session is None:
+                return None
+            now = [session.mirror.picture, session.mirror.error]
+            if now[0] is not seen[0] or now[1] != seen[1]:
+                seen[:] = now
+                engine.tag_redraw()
+            return 0.02
+        except ReferenceError:   # Blender has removed the engine
+            return None
+    return look
+
+
+def texture_of(picture):
+    import gpu
+    import numpy as np
+    pixels = np.ascontiguousarray(picture.layers["rgba"][::-1], np.float32)   # OpenGL's rows begin at the bottom
+    return gpu.types.GPUTexture((picture.width, picture.height), format="RGBA16F", data=gpu.types.Buffer("FLOAT", pixels.size, pixels.reshape(-1)))
+
+
+def draw(engine, context, depsgraph, texture):
+    import gpu
+    from gpu_extras.presets import draw_texture_2d
+    gpu.state.blend_set("ALPHA_PREMULT")
+    engine.bind_display_space_shader(depsgraph.scene)
+    draw_texture_2d(texture, (0, 0), context.region.width, context.region.height)
+    engine.unbind_display_space_shader()
+    gpu.state.blend_set("NONE")
 
 
 class Session:

@@ -183,7 +183,10 @@ class Stream:
     def read_exactly(self, n: int) -> bytes:
         out = bytearray()
         while len(out) < n:
-            piece = self.response.read(n - len(out))
+            try:
+                piece = self.response.read(n - len(out))
+            except http.client.HTTPException as e:   # cut off within a chunk
+                raise EOFError from e
             if not piece:
                 raise EOFError
             out += piece

@@ -21,7 +21,7 @@ class Picture:
         self.number, self.samples, self.level = int(head["pass"]), int(head["samples"]), int(head["level"])
         self.width, self.height = int(head["width"]), int(head["height"])
         self.edits: list[str] = list(head.get("edits", []))
-        self.layers = {str(entry["name"]): np.zeros((self.height, self.width, int(entry["channels"])), np.float32) for entry in head["layers"]}
+        self.layers = {str(entry["name"]): np.zeros((self.height, self.width, len(entry["channels"])), np.float32) for entry in head["layers"]}
         self._missing = self.width * self.height
 
     def put(self, head: dict[str, Any], pixels: bytes) -> bool:
