@@ -49,6 +49,9 @@ def main(folder):
     layer.use_pass_mist = True
     layer.use_pass_ambient_occlusion = True
     settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):   # Blender 5
+        settings.media_type = "MULTI_LAYER_IMAGE"
+        settings.use_exr_interleave = True   # one part
     settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.color_depth = "32"
     scene.render.filepath = os.path.join(folder, "f12.exr")

@@ -90,7 +90,7 @@ class Viewport(unittest.TestCase):
             if run is None or not ALDER.exists():
                 self.skipTest("no bpy: set ALDER_BPY_PYTHON to a Python that has it, or install Blender")
             done = subprocess.run(run, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL, env={**os.environ, "ALDER": str(ALDER)})
-            if "No module named 'numpy'" in done.stderr:
+            if "No module named 'numpy'" in done.stdout + done.stderr:
                 self.skipTest("Blender's Python has no numpy: apt-get install python3-numpy")
             self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-3000:])
             result = json.loads((pathlib.Path(folder) / "result.json").read_text())
