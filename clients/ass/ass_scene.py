@@ -10,15 +10,15 @@ Exit status: 0 converted, 2 not. Only the standard library is used; `alder rende
 """
 import argparse
 import io
-import json
 import math
 import os
 import sys
-import zipfile
 
-from ass_file import AssError, array, read, read_all
-from ass_materials import Converter, Failure
-from ass_mesh import Buffers, convert_mesh, sphere
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scene_files"))
+from ass_file import AssError, array, read, read_all  # noqa: E402
+from ass_materials import Converter, Failure  # noqa: E402
+from ass_mesh import Buffers, convert_mesh, sphere  # noqa: E402
+from report import Report, write_container  # noqa: E402
 
 # Node types that say nothing about the picture's content.
 SILENT = {"driver_exr", "driver_jpeg", "driver_png", "driver_tiff", "driver_deepexr", "gaussian_filter", "box_filter", "triangle_filter", "blackman_harris_filter",
@@ -315,35 +315,12 @@ class SceneConverter:
         return None
 
     def write(self, path):
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED, allowZip64=True) as z:
-            members = {"scene.json": json.dumps(self.document, separators=(",", ":"), allow_nan=False).encode(), **self.files}
-            if self.buffers.data:
-                members[self.buffers.name] = bytes(self.buffers.data)
-            for name, data in members.items():
-                z.writestr(zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0)), data)
+        write_container(path, self.document, self.files, self.buffers)
 
 
 def _world(color, power):
     return {"version": 1, "nodes": {"sky": {"type": "ShaderNodeBackground", "params": {"Color": [*color[:3], 1], "Strength": power}}},
             "outputs": {"surface": {"node": "sky", "output": "Background"}}}
-
-
-class Report:
-    def __init__(self):
-        self.unsupported, self.notes = {}, {}
-
-    def __call__(self, what, where=None, is_note=False):
-        (self.notes if is_note else self.unsupported).setdefault(what, {})[where] = None
-
-    def document(self):
-        return {kind: [{"what": what, "where": sorted(w for w in places if w)} for what, places in sorted(table.items())]
-                for kind, table in (("unsupported", self.unsupported), ("notes", self.notes))}
-
-    def lines(self):
-        for kind, table in (("not converted", self.unsupported), ("note", self.notes)):
-            for what, places in sorted(table.items()):
-                where = ", ".join(sorted(w for w in places if w)[:5])
-                yield "%s: %s%s" % (kind, what, " (%s)" % where if where else "")
 
 
 def convert(path, base=None):

@@ -15,11 +15,11 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree
-import zipfile
 
-sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "ass"))
+for folder in ("ass", "scene_files"):
+    sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", folder))
 from ass_mesh import Buffers  # noqa: E402
-from ass_scene import Report  # noqa: E402
+from report import Report, write_container  # noqa: E402
 
 IDENTITY = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
 FILES = {"image_texture", "environment_texture", "ies_light"}
@@ -382,12 +382,7 @@ class Converter:
         self.document["lights"][self.free(self.document["lights"], e.get("name") or "light")] = out
 
     def write(self, path):
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED, allowZip64=True) as z:
-            members = {"scene.json": json.dumps(self.document, separators=(",", ":"), allow_nan=False).encode(), **self.files}
-            if self.buffers.data:
-                members[self.buffers.name] = bytes(self.buffers.data)
-            for name, data in members.items():
-                z.writestr(zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0)), data)
+        write_container(path, self.document, self.files, self.buffers)
 
 
 def catalogue(program):

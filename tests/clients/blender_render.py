@@ -37,6 +37,7 @@ def main(folder):
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 48, 32, 100
     if hasattr(scene, "cycles"):
         scene.cycles.samples = 4
+        scene.cycles.use_denoising = False   # the program does not
     for o in scene.objects:
         if o.type == "MESH":
             o.data.materials.clear()
@@ -46,7 +47,11 @@ def main(folder):
         if hasattr(layer, switch):
             setattr(layer, switch, True)
     layer.use_pass_mist = True
+    layer.use_pass_ambient_occlusion = True
     settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):   # Blender 5
+        settings.media_type = "MULTI_LAYER_IMAGE"
+        settings.use_exr_interleave = True   # one part
     settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.color_depth = "32"
     scene.render.filepath = os.path.join(folder, "f12.exr")

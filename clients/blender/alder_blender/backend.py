@@ -42,6 +42,29 @@ def find_program(preferred=""):
     raise RenderError("the program alder was not found: set its path in the add-on's preferences")
 
 
+_local = {"client": None}
+_local_lock = threading.Lock()
+
+
+def local_client(program="", threads=0):
+    """The client of a daemon that this process started: the alderd beside the program; one for all viewports."""
+    with _local_lock:
+        if _local["client"] is None:
+            alder = client_package()
+            beside = os.path.join(os.path.dirname(find_program(program)), "alderd")
+            if not os.access(beside, os.X_OK):
+                raise RenderError("there is no alderd beside %s: the viewport needs it" % find_program(program))
+            _local["client"] = alder.local(*(("--threads", str(threads)) if threads else ()), program=beside)
+        return _local["client"]
+
+
+def stop_local():
+    with _local_lock:
+        client, _local["client"] = _local["client"], None
+    if client is not None:
+        client.close()
+
+
 class Program:
     """Renders with the program; what a cancelled render has so far is given back."""
 

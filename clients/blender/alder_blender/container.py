@@ -33,6 +33,11 @@ class Container:
     def has(self, name):
         return name in self._files
 
+    @staticmethod
+    def reference(name):
+        """How the document names a file that was given under this name."""
+        return {"file": name}
+
     def write(self, path, document):
         with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED, allowZip64=True) as z:
             z.writestr(_member("scene.json"), json.dumps(document, separators=(",", ":"), allow_nan=False, ensure_ascii=False))

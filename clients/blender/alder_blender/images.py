@@ -25,7 +25,7 @@ class Images:
         member = self._done[key]
         if member is None:
             return None
-        return {"file": member, "colorspace": image.colorspace_settings.name, "alpha_mode": image.alpha_mode}
+        return {**self.box.reference(member), "colorspace": image.colorspace_settings.name, "alpha_mode": image.alpha_mode}
 
     def file(self, path, where):
         """An IES profile outside the .blend."""
@@ -34,7 +34,7 @@ class Images:
             return None
         name = "files/" + os.path.basename(path)
         self.box.file(name, data)
-        return {"file": name}
+        return self.box.reference(name)
 
     def _member(self, image, data, suffix):
         stem = os.path.splitext(bpy.path.clean_name(bpy.path.basename(image.filepath) or image.name))[0]

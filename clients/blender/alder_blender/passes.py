@@ -14,9 +14,11 @@ LIGHT = {
 }
 DATA = {"Depth": "Z", "Normal": "N", "Position": "P", "UV": "uv", "Denoising Albedo": "denoise_albedo", "Denoising Normal": "denoise_normal",
         "Debug Sample Count": "sample_count"}
-UNSUPPORTED = {"use_pass_mist": "Mist", "use_pass_vector": "Vector", "use_pass_object_index": "IndexOB", "use_pass_material_index": "IndexMA",
-               "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "AO", "use_pass_cryptomatte_object": "CryptoObject",
-               "use_pass_cryptomatte_material": "CryptoMaterial", "use_pass_cryptomatte_asset": "CryptoAsset"}
+# Passes that a renderer may make by Blender's own name. One that does not know the name answers with three channels of black.
+NAMED = {"Mist": (1, "Z"), "Vector": (4, "XYZW"), "IndexOB": (1, "X"), "IndexMA": (1, "X")}
+NAMED_SWITCHES = {"use_pass_mist": "Mist", "use_pass_vector": "Vector", "use_pass_object_index": "IndexOB", "use_pass_material_index": "IndexMA"}
+MATTES = {"use_pass_cryptomatte_object": "CryptoObject", "use_pass_cryptomatte_material": "CryptoMaterial", "use_pass_cryptomatte_asset": "CryptoAsset"}
+UNSUPPORTED = {"use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "AO"}
 SWITCHES = {"use_pass_z": "Depth", "use_pass_normal": "Normal", "use_pass_position": "Position", "use_pass_uv": "UV",
             "use_pass_diffuse_direct": "DiffDir", "use_pass_diffuse_indirect": "DiffInd", "use_pass_diffuse_color": "DiffCol",
             "use_pass_glossy_direct": "GlossDir", "use_pass_glossy_indirect": "GlossInd", "use_pass_glossy_color": "GlossCol",
@@ -25,10 +27,17 @@ SWITCHES = {"use_pass_z": "Depth", "use_pass_normal": "Normal", "use_pass_positi
 CYCLES_SWITCHES = {"use_pass_volume_direct": "VolumeDir", "use_pass_volume_indirect": "VolumeInd", "pass_debug_sample_count": "Debug Sample Count"}
 
 
+NOISY = "Noisy Image"   # Combined before it is denoised
+
+
 def channels(name):
     """(number, letters, type) of a pass as Blender's register_pass and add_pass want them."""
-    if name.startswith("Combined"):
-        return (4, "RGBA", "COLOR") if name == "Combined" else (3, "RGB", "COLOR")
+    if name.startswith("Combined") or name == NOISY:
+        return (4, "RGBA", "COLOR") if name in ("Combined", NOISY) else (3, "RGB", "COLOR")
+    if name in NAMED:
+        return (*NAMED[name], "VALUE" if NAMED[name][0] == 1 else "VECTOR")
+    if name.startswith("Crypto"):
+        return (4, "RGBA", "COLOR")
     if name in ("Depth", "Debug Sample Count"):
         return (1, "Z" if name == "Depth" else "X", "VALUE")
     if name in ("Normal", "Position", "Denoising Normal"):
@@ -44,8 +53,12 @@ def wanted(view_layer, light_groups=()):
     names += [p for switch, p in SWITCHES.items() if getattr(view_layer, switch, False)]
     cycles = getattr(view_layer, "cycles", None)
     names += [p for switch, p in CYCLES_SWITCHES.items() if getattr(cycles, switch, False)]
+    names += [p for switch, p in NAMED_SWITCHES.items() if getattr(view_layer, switch, False)]
+    for switch, name in MATTES.items():
+        if getattr(view_layer, switch, False):
+            names += [name + "%02d" % i for i in range((getattr(view_layer, "pass_cryptomatte_depth", 6) + 1) // 2)]
     if getattr(cycles, "denoising_store_passes", False):
-        names += ["Denoising Normal", "Denoising Albedo"]
+        names += ["Denoising Normal", "Denoising Albedo", NOISY]
     names += ["Combined_" + g for g in light_groups]
     missing = [p for switch, p in UNSUPPORTED.items() if getattr(view_layer, switch, False)]
     return names, missing
@@ -53,7 +66,7 @@ def wanted(view_layer, light_groups=()):
 
 # Passes that Blender adds by itself where the view layer asks for them; others an engine has to add.
 def is_own(name):
-    return name == "Combined" or name in SWITCHES.values()
+    return name == "Combined" or name in SWITCHES.values() or name in NAMED
 
 
 def layers(names, light_groups=()):
@@ -68,6 +81,10 @@ def layers(names, light_groups=()):
             out.append(DATA[name])
         elif name in groups:
             out.append(groups[name])
+        elif name in NAMED:
+            out.append(name)
+        elif name.startswith("Crypto"):
+            out.append(name[:-2])
     return list(dict.fromkeys(out))
 
 
@@ -78,7 +95,13 @@ def compose(name, image, light_groups=()):
 
     def layer(key):
         return image[key] if key in image else None
-    if name == "Combined":
+    if name in NAMED or name.startswith("Crypto"):
+        x = layer(name)
+        x = x[..., None] if x is not None and x.ndim == 2 else x
+        if name.startswith("Crypto") and x is not None and x.shape[-1] == 3:   # Image leaves out what is called A
+            x = np.concatenate([x, image.channels[name + (".a" if name + ".a" in image.channels else ".A")][..., None]], axis=-1)
+        return x if x is not None and x.shape[-1] == count else None
+    if name in ("Combined", NOISY):
         alpha = image.alpha
         rgb = image["beauty"]
         return np.concatenate([rgb, (np.ones(rgb.shape[:2], np.float32) if alpha is None else alpha)[..., None]], axis=-1)

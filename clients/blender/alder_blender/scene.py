@@ -22,12 +22,12 @@ MOST_LIGHT_GROUPS = 8
 
 
 class SceneExporter:
-    def __init__(self, depsgraph, engine=None):
+    def __init__(self, depsgraph, engine=None, box=None):
         self.depsgraph = depsgraph
         self.scene = depsgraph.scene
         self.view_layer = depsgraph.view_layer
         self.report = Report()
-        self.box = Container()
+        self.box = box or Container()
         self.images = Images(self.box, self.report)
         version = bpy.app.version[:2]
         self.graphs = GraphWriter(self.report, self.images.parameter, self.images.file, self._object_matrix,
@@ -169,7 +169,7 @@ class SceneExporter:
                 continue
             if kind in INVISIBLE_TYPES:
                 continue
-            if not i.show_self:
+            if not self._is_shown(i):
                 self._particles(o, i)
                 continue
             data = o.data
@@ -184,6 +184,10 @@ class SceneExporter:
                 self.motion.add_instance(i, group, len(group[3]), group[4])
                 group[2].extend(motion.matrix_of(i))
                 group[3].append(i.random_id if i.is_instance else values.random_id(o.original.name))
+
+    @staticmethod
+    def _is_shown(instance):
+        return instance.show_self
 
     def _particles(self, o, instance):
         if instance.is_instance:

@@ -6,7 +6,7 @@
         image = c.render(scene, samples=64, aovs=["shading"]).result()
         image.save("shot.exr")
 """
-from . import aio
+from . import aio, tiles
 from .client import Client, Job, Scene, connect, local
 from .errors import AlderError, Busy, Conflict, Denied, Invalid, NotAvailable, NotFound, RenderFailed, Unreachable
 from .graph import Catalogue, Graph, Link, Node
@@ -15,4 +15,4 @@ from .live import Live
 
 __version__ = "0.1.0"
 __all__ = ["AlderError", "Busy", "Catalogue", "Client", "Conflict", "Denied", "Graph", "Image", "Invalid", "Job", "Link", "Live", "Node",
-           "NotAvailable", "NotFound", "RenderFailed", "Scene", "Unreachable", "aio", "connect", "local"]
+           "NotAvailable", "NotFound", "RenderFailed", "Scene", "Unreachable", "aio", "connect", "local", "tiles"]

@@ -131,6 +131,7 @@ class Transport:
         connection = self._open(timeout)
         try:
             connection.request("GET", path, headers=self._headers(headers))
+            sock = connection.sock
             response = connection.getresponse()
         except OSError as e:
             connection.close()
@@ -139,7 +140,7 @@ class Transport:
             answer = Answer(response.status, response.headers, response.read())
             connection.close()
             raise self.problem(answer)
-        return Stream(connection, response)
+        return Stream(connection, response, sock)
 
     def close(self) -> None:
         with self._lock:
@@ -149,8 +150,8 @@ class Transport:
 
 
 class Stream:
-    def __init__(self, connection: http.client.HTTPConnection, response: http.client.HTTPResponse):
-        self.connection, self.response = connection, response
+    def __init__(self, connection: http.client.HTTPConnection, response: http.client.HTTPResponse, sock: Any = None):
+        self.connection, self.response, self._sock = connection, response, sock
         self.headers = response.headers
 
     def events(self) -> Iterator[tuple[str, Any, str | None]]:
@@ -182,13 +183,22 @@ class Stream:
     def read_exactly(self, n: int) -> bytes:
         out = bytearray()
         while len(out) < n:
-            piece = self.response.read(n - len(out))
+            try:
+                piece = self.response.read(n - len(out))
+            except http.client.HTTPException as e:   # cut off within a chunk
+                raise EOFError from e
             if not piece:
                 raise EOFError
             out += piece
         return bytes(out)
 
     def close(self) -> None:
+        """From any thread: a read that waits in another one ends."""
+        try:
+            if self._sock is not None:
+                self._sock.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass   # the other side was first
         self.connection.close()
 
     def __enter__(self) -> "Stream":

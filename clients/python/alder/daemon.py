@@ -33,7 +33,7 @@ class LocalDaemon:
         command = [program or find_program(), "--listen", "127.0.0.1:0", "--data", os.path.join(self.folder, "data"), "--port-file", port_file, *options]
         try:
             # A session of its own: Ctrl-C in a script ends the render, not the daemon under it.
-            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=self._log, start_new_session=True)
+            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._log, start_new_session=True)
         except OSError as e:
             self._remove()
             raise Unreachable("%s: %s" % (command[0], e)) from e

@@ -10,8 +10,9 @@ import threading
 import time
 import urllib.parse
 import uuid
-from typing import Any
+from typing import Any, Iterator, Sequence
 
+from . import tiles
 from ._transport import Stream, Transport
 from .errors import AlderError, Conflict
 from .image import Image
@@ -109,6 +110,11 @@ class Live:
         with self._shown:
             self._shown.wait_for(lambda: not self._sent, timeout)
         return self.latency
+
+    def pictures(self, layers: Sequence[str] = (), half: bool = True) -> Iterator[tiles.Picture]:
+        """Pictures as they come, coarse ones first, until the view is closed; what a slow reader cannot take is left out."""
+        with tiles.open_stream(self._transport, self.id, layers, half) as stream:
+            yield from tiles.read(stream)
 
     def image(self) -> Image:
         """What is there now, all layers."""
