@@ -417,7 +417,7 @@ Vec3f thread_info(const Batch& batch, size_t i, InputPlan::Part part) {
         }
     }
     if (!batch.on_curve(i)) return Vec3f(0.f);
-    const CurveTable& table = batch.scene.surfaces->tables_of(s.instance).curves();
+    const ThreadTable& table = batch.scene.surfaces->tables_of(s.instance).curves();
     const CurveSegment segment = batch.segment(i);
     switch (part) {
         case Part::IsStrand: return Vec3f(1.f);

@@ -78,8 +78,8 @@ Vec3f decode_direction(float u, float v) {
     return safe_normalize(Vec3f((1 - std::abs(v)) * std::copysign(1.f, u), (1 - std::abs(u)) * std::copysign(1.f, v), z));
 }
 
-CurveTable CurveTable::make(const Mesh& mesh) {
-    CurveTable t;
+ThreadTable ThreadTable::make(const Mesh& mesh) {
+    ThreadTable t;
     t.segments = curve_segments(mesh);
     t.intercepts.assign(mesh.positions.size(), 0.f);
     for (size_t c = 0; c + 1 < mesh.curve_first.size(); ++c) {

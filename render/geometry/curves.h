@@ -38,11 +38,11 @@ void encode_direction(Vec3f direction, float& u, float& v);
 Vec3f decode_direction(float u, float v);
 
 /// What Curves Info says, made when the first program asks.
-struct CurveTable {
+struct ThreadTable {
     std::vector<CurveSegment> segments;
     std::vector<float> intercepts;  ///< per point: 0 at the root .. 1 at the tip
     std::vector<float> lengths;     ///< per curve, object space
-    static CurveTable make(const Mesh& mesh);
+    static ThreadTable make(const Mesh& mesh);
 };
 
 /// Cycles' random number of a curve or a point by its index.

@@ -91,8 +91,8 @@ const MeshTables::TangentTable& MeshTables::tangents() const {
     return tangents_;
 }
 
-const CurveTable& MeshTables::curves() const {
-    std::call_once(curves_once_, [this] { curves_ = CurveTable::make(*mesh_); });
+const ThreadTable& MeshTables::curves() const {
+    std::call_once(curves_once_, [this] { curves_ = ThreadTable::make(*mesh_); });
     return curves_;
 }
 

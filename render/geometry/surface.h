@@ -29,14 +29,14 @@ class MeshTables {
     const std::vector<float>& island_random() const;
     /// Per point, 0 concave .. 0.5 flat .. 1 convex.
     const std::vector<float>& pointiness() const;
-    const CurveTable& curves() const;
+    const ThreadTable& curves() const;
 
   private:
     std::shared_ptr<const Mesh> mesh_;
     mutable std::once_flag tangents_once_, islands_once_, pointiness_once_, curves_once_;
     mutable TangentTable tangents_;
     mutable std::vector<float> islands_, pointiness_;
-    mutable CurveTable curves_;
+    mutable ThreadTable curves_;
 };
 
 struct InstanceFrame {

@@ -136,7 +136,7 @@ TEST(Spheres, are_round_and_met_from_outside) {
 TEST(Curves, table_of_lengths_and_intercepts) {
     auto m = bent_curve(CurveForm::Round);
     m->positions[5] = {1, 1, 0};
-    const CurveTable t = CurveTable::make(*m);
+    const ThreadTable t = ThreadTable::make(*m);
     ASSERT_EQ(t.segments.size(), 4u);
     EXPECT_EQ(m->primitive_count(), 4u);
     EXPECT_EQ(t.segments[3].point, 4u);
